@@ -61,7 +61,7 @@ BodyContacts::Setup::Setup(const std::vector<ColliderSpec>& specs, const RigidBo
   const auto by_joint = [&](std::size_t a, std::size_t b) {
     return !bodies.are_of_one(a, b) && (bodies.has_joint(a) || bodies.has_joint(b));
   };
-  for (const BodyTouch& t : collisions.find(at_start(specs), -may_sink, by_joint)) {
+  for (const BodyTouch& t : collisions.find(at_start(specs), -penetration_slop, by_joint)) {
     joined.insert({t.a, t.b});
   }
 }
@@ -97,7 +97,7 @@ std::vector<BodyTouch> BodyContacts::find(const std::vector<MovingCollider>& col
     return (bodies.is_body(a) || bodies.is_body(b)) && !bodies.are_of_one(a, b) &&
            setup_->may_touch(a, b);
   };
-  const double reach = bodies.longest_way(h_) + may_sink;
+  const double reach = bodies.longest_way(h_) + penetration_slop;
   std::vector<BodyTouch> touches = setup_->collisions.find(colliders, reach, may_touch);
   for (const BodyTouch& t : find_places(reach)) {
     if (may_touch(t.a, t.b)) touches.push_back(t);
@@ -170,8 +170,8 @@ void BodyContacts::warm_start(double scale, double radius, PairContact& c) {
   if (!nearest) return;
   c.impulse.keep(nearest->impulse);
   c.impulse.warm_start(scale);
-  c.impulse.weaken(c.impulse.max_normal_impulse);
-  nearest->impulse.let_go();
+  c.impulse.limit_normal_impulse(c.impulse.max_normal_impulse);
+  nearest->impulse.deactivate();
 }
 
 double BodyContacts::solve_pass(RigidBodies& bodies) {

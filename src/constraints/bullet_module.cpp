@@ -20,7 +20,7 @@ constexpr double margin_share = 0.02;
 
 /// Bullet clips the faces of polyhedra against each other where they overlap. So they are larger on
 /// all sides by this [m].
-constexpr double skin = may_sink;
+constexpr double skin = penetration_slop;
 
 btScalar to_bullet(double number) { return static_cast<btScalar>(number); }
 

@@ -29,7 +29,7 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
       escape(c, collider, cloth, step, state.positions);
     }
   }
-  leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
+  recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));
 
   warm_start(cloth, scale, step.bodies, state);
   faces_.warm_start(state.positions, step.bodies, state.velocities);
@@ -155,7 +155,7 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
                        penetration.faces});
     recovers_ = recovers_ || penetration.depth() > 0;
   }
-  leaving_ = std::max(0.0, leaving_ + (recovers_ ? step.h : -step.h));
+  recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));
   warm_start(cloth, 1, step.bodies, state);
   faces_.warm_start(state.positions, step.bodies, state.velocities);
   if (step.bodies) couple(colliders, cloth, step, state.positions);
@@ -192,7 +192,7 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
   const double jumped =
       s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
-  s.is_clear = s.is_clear && jumped < may_sink;
+  s.is_clear = s.is_clear && jumped < penetration_slop;
   s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
 }
 
@@ -241,7 +241,7 @@ void ColliderContacts::reset() {
   pinches_.start_over(0);
   is_restored_pinched_ = false;
   recovers_ = false;
-  leaving_ = 0;
+  recovery_duration_ = 0;
   h_ = 0;
 }
 
@@ -260,7 +260,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
   faces_.write(memory);
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
-  memory.add(leaving_);
+  memory.add(recovery_duration_);
 }
 
 void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const Cloth& cloth) {
@@ -278,7 +278,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
   faces_.read(memory);
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
-  leaving_ = std::max(0.0, memory.number());
+  recovery_duration_ = std::max(0.0, memory.number());
 }
 
 }  // namespace clothsim

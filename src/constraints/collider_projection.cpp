@@ -56,7 +56,7 @@ void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders
 void ColliderContacts::moved_out(std::size_t collider, double way) {
   motion_bound_.add(way);
   // It may have been moved into another one.
-  for (std::size_t other = 0; other < collider && way >= may_sink; ++other) {
+  for (std::size_t other = 0; other < collider && way >= penetration_slop; ++other) {
     caches_[other].is_clear = false;
   }
 }
@@ -100,7 +100,7 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
       const double nearest = min_distances[b - span.begin];
       if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest, motion_bound_.total());
       // A pin in the solid may be let go.
-      if (nearest < may_sink && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
+      if (nearest < penetration_slop && ContactSlots::has_pin(b, cloth)) s.is_clear = false;
     }
   }
   if (is_near_faces(s, keeps, keeps.points)) {
@@ -126,7 +126,7 @@ double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& c
     const Vector3 to = to_world(collider.pose(), row(local_.to, i));
     longest = std::max(longest, (to - row(positions, i)).norm());
     positions.row(i) = to.transpose();
-    s.is_clear = s.is_clear && local_.distance[i] >= may_sink;
+    s.is_clear = s.is_clear && local_.distance[i] >= penetration_slop;
   }
   return longest;
 }

@@ -293,7 +293,7 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
           d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
-  s.is_clear = s.is_clear && ends >= may_sink;
+  s.is_clear = s.is_clear && ends >= penetration_slop;
   const Vector3 end = to_world(collider.pose(), to);
   const double way = (end - row(positions, i)).norm();
   positions.row(i) = end.transpose();

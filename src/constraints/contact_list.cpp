@@ -8,7 +8,7 @@
 namespace clothsim {
 namespace {
 
-/// Changes that a pass skips, of the precision to which it solves.
+/// Changes that a pass skips, of the tolerance to which it solves.
 constexpr double unseen_share = 0.0125;
 
 /// Least width of a slab, of the mean length of its contacts.
@@ -159,9 +159,9 @@ void ContactList::group(const Points& positions, const Workers& workers) {
   }
 }
 
-double ContactList::solve_pass(double precision, Points& velocities, const Workers& workers) {
+double ContactList::solve_pass(double tolerance, Points& velocities, const Workers& workers) {
   if (contacts_.empty()) return 0;
-  const double min_change = unseen_share * precision;
+  const double min_change = unseen_share * tolerance;
   changes_.assign(groups_.size(), 0);
   const int looks = stages_.front();
   workers.in_stages(stages_, [&](int part) {
@@ -203,9 +203,9 @@ void ContactList::release_pinched(const Pinches& pinches, double strongest, Poin
     if (held == 0) continue;
     const Vector3 given = c.impulse.total();
     if (held == points) {
-      c.impulse.let_go();
+      c.impulse.deactivate();
     } else {
-      c.impulse.weaken(strongest);
+      c.impulse.limit_normal_impulse(strongest);
     }
     c.give(c.impulse.total() - given, velocities);
   }

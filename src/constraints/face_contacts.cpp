@@ -10,7 +10,7 @@ namespace {
 
 /// Largest error of the distance of a triangle that is followed, not measured [m]: too small to
 /// show as noise of contact.
-constexpr double followed_error = may_sink / 500;
+constexpr double followed_error = penetration_slop / 500;
 
 /// Largest displacement of a corner from where impulses act to the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
@@ -216,7 +216,7 @@ void FaceContacts::release_pinched(const Pinches& pinches,
       c.hold(k);
     }
     if (c.mass == 0) {
-      c.impulse.let_go();
+      c.impulse.deactivate();
       continue;
     }
     const double lever = 1 / (c.mass * largest);
@@ -266,7 +266,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
                        [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
   };
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
-  for (int pass = 1; pass <= passes_in_vain; ++pass) {
+  for (int pass = 1; pass <= max_conflict_passes; ++pass) {
     bool again = false;
     const auto move_out = [&](int, const Corners& corners) {
       // All in the first pass, then those with a corner that has just moved.
@@ -283,7 +283,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
       const double in_reach = lever_of(cloth, corners, weights) * h;
       const double wanted =
           found.before < 0 ? required_distance(found.before, keeps, in_reach) : raised(now, keeps);
-      const bool must = now < wanted - may_sink;  // others may move it out, too
+      const bool must = now < wanted - penetration_slop;  // others may move it out, too
       if (!must && (pass > 1 || now >= keeps)) return;
       spread(corners, moves, (wanted - now) / inv_effective_mass * found.distance->normal,
              local.to);

@@ -249,8 +249,8 @@ double Holders::solve_pass(Points& velocities) {
   return largest;
 }
 
-bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& gravity,
-                    const Points& impulses, State& state) {
+bool Holders::update_slipping(const Cloth& cloth, double h, double scale, const Vector3& gravity,
+                              const Points& impulses, State& state) {
   for (Point& p : points_) {
     const int i = p.hold.point;
     const Vector3 v = row(state.velocities, i);
@@ -281,7 +281,7 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
     changes = true;
   }
   for (std::size_t k = 0; k < strengths_.size(); ++k) {
-    changes = give_way(of_holder_[k], strengths_[k], h) || changes;
+    changes = release_overloaded(of_holder_[k], strengths_[k], h) || changes;
   }
   h_ = h;
   if (changes) count_slipping();
@@ -290,7 +290,8 @@ bool Holders::judge(const Cloth& cloth, double h, double scale, const Vector3& g
 
 /// Shares a holder's strength S among its points, with a common bound b on their loads F_i: sum
 /// min(F_i, b) = S. Points with a higher load slip.
-bool Holders::give_way(const std::vector<std::size_t>& points, double strength, double h) {
+bool Holders::release_overloaded(const std::vector<std::size_t>& points, double strength,
+                                 double h) {
   std::vector<double> loads;  // [N] of those that stick
   for (const std::size_t i : points) {
     if (!points_[i].slips) loads.push_back(points_[i].given.norm() / h);

@@ -21,8 +21,8 @@ void SelfContacts::release_pinched(const Pinches& pinches, Points& velocities) {
   contacts_.release_pinched(pinches, Pinches::max_overlap_impulse * weight_, velocities);
 }
 
-double SelfContacts::solve_pass(double precision, Points& velocities, const Workers& workers) {
-  return h_ * contacts_.solve_pass(precision / h_, velocities, workers);
+double SelfContacts::solve_pass(double tolerance, Points& velocities, const Workers& workers) {
+  return h_ * contacts_.solve_pass(tolerance / h_, velocities, workers);
 }
 
 void SelfContacts::add_impulses(double scale, Points& sum) const {

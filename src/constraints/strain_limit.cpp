@@ -124,8 +124,8 @@ void StrainLimit::bound_impulses(double scale) {
   const std::vector<double> across = tension_across();
   const double h = scale * step_.h;
   const double max_across = max_tension * times_carried(h) / (scale * h);
-  gives_way_ = *std::max_element(across.begin(), across.end()) > max_across;
-  if (!gives_way_) return;
+  yields_ = *std::max_element(across.begin(), across.end()) > max_across;
+  if (!yields_) return;
   for (std::size_t i = 0; i < fours(); ++i) {
     FourSprings& s = active_[i];
     for (std::size_t k = 0; k < FourSprings::count; ++k) {
@@ -290,7 +290,7 @@ StrainLimit::Passes StrainLimit::pass(double enough, int min_passes, int max_pas
   do {
     if (passes.count == min_passes) momentum = Momentum();
     const PassChange change = solve_active(momentum.share(), passes.count >= min_passes, workers);
-    if (!gives_way_) momentum.next(change.descent);  // else it would overshoot
+    if (!yields_) momentum.next(change.descent);  // else it would overshoot
     passes = {passes.count + 1, step_.h * change.largest};
   } while (passes.count < max_passes && (passes.count < min_passes || passes.change > enough));
   return passes;

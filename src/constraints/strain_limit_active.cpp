@@ -147,7 +147,7 @@ void StrainLimit::leave_to_holders(const std::vector<int>& holder_of_point) {
   wake();
 }
 
-void StrainLimit::add_strengths(double scale, std::vector<double>& sum) const {
+void StrainLimit::add_impulse_magnitudes(double scale, std::vector<double>& sum) const {
   std::vector<std::size_t> first;  // spring of each piece
   std::size_t springs = 0;
   for (const Piece& piece : pieces_) {

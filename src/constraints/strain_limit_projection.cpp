@@ -35,7 +35,7 @@ bool StrainLimit::holds(double tolerance) const {
 
 int StrainLimit::project_positions(const Cloth& cloth, double tolerance, int max_passes,
                                    Points& positions, const Workers& workers) {
-  if (gives_way_ || is_slack() || holds(tolerance)) return 0;
+  if (yields_ || is_slack() || holds(tolerance)) return 0;
   flag_longer_than(longest_ + tolerance, positions, workers);
   bool any = false;
   for_each_flagged([&](int id) { any = add_over(cloth, id, tolerance, positions) || any; });
@@ -84,7 +84,7 @@ bool StrainLimit::project_springs(const Cloth& cloth, const std::vector<int>& id
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
       if (length <= (longest_ + tolerance) * c.rest_length) continue;
-      const double target = longest_ + tolerance - tolerance / precision;
+      const double target = longest_ + tolerance - tolerance / tolerance_per_residual;
       const double excess = length - target * c.rest_length;
       const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
       pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);

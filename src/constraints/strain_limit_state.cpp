@@ -27,14 +27,14 @@ void StrainLimit::reset() {
   close_active();
   inertia_.reset();
   step_ = {};
-  gives_way_ = false;
+  yields_ = false;
   momentum_ = 1;
   wake();
 }
 
 void StrainLimit::write(MemoryWriter& memory) const {
   memory.add(step_.h);
-  memory.add(gives_way_);
+  memory.add(yields_);
   memory.add(momentum_);
   std::size_t pulling = 0;
   for_each_active(
@@ -54,7 +54,7 @@ void StrainLimit::write(MemoryWriter& memory) const {
 void StrainLimit::read(MemoryReader& memory) {
   reset();
   step_.h = std::max(0.0, memory.number());
-  gives_way_ = memory.index(2) == 1;
+  yields_ = memory.index(2) == 1;
   momentum_ = std::max(1.0, memory.number());
   std::fill(flags_.begin(), flags_.end(), 0);
   struct Kept {

@@ -125,7 +125,7 @@ void TouchFinder::refresh(const Cloth& cloth, const ContactStep& step, const Sta
     if (now) {
       contact = *now;
     } else {
-      contact.impulse.let_go();
+      contact.impulse.deactivate();
     }
   }
 }
@@ -143,14 +143,14 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   if (step.left > step.h && next <= unseen_way * near_.min_nearest()) return 0;
 
   int truncated = 0;
-  if (kind_ == SelfCollision::surface) truncated = judge(cloth, step, by_impulses, state);
+  if (kind_ == SelfCollision::surface) truncated = guard_path(cloth, step, by_impulses, state);
   looked_at_.resize(0, 3);
   return truncated;
 }
 
 /// Applies the guard to the path since the last detection.
-int TouchFinder::judge(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
-                       State& state) {
+int TouchFinder::guard_path(const Cloth& cloth, const ContactStep& step, const Points& by_impulses,
+                            State& state) {
   ContactStep whole{time_, step.displacement_factor, looked_at_, step.drifted, step.workers};
   whole.budget = step.budget;
   whole.held = step.held;

@@ -41,15 +41,25 @@ void wait_until(const Condition& holds) {
 
 struct Workers::Pool {
   explicit Pool(int count) : helpers(static_cast<std::size_t>(count)) {
-    for (int i = 0; i < count; ++i) helper(i).thread = std::thread([this, i] { help(i); });
+    try {
+      for (int i = 0; i < count; ++i) helper(i).thread = std::thread([this, i] { help(i); });
+    } catch (...) {
+      end();
+      throw;
+    }
   }
 
-  ~Pool() {
+  ~Pool() { end(); }
+
+  /// Ends the threads that have started.
+  void end() {
     stopped = true;
     const int count = static_cast<int>(helpers.size());
     open(count);
     for (int i = 0; i < count; ++i) wake(i);  // one that ended in the last round wakes no others
-    for (Helper& each : helpers) each.thread.join();
+    for (Helper& each : helpers) {
+      if (each.thread.joinable()) each.thread.join();
+    }
   }
 
   /// The part of the calling thread.

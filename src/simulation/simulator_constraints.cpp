@@ -123,7 +123,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     // A frame ends within the limit, and the speed of recovery from colliders is unknown.
     if (frame_context.left <= h || frame_context.recovers) strain_limit->wake();
     strain_limit->warm_start(h, factor, state, workers);
-    frame_context.gives_way = frame_context.gives_way || strain_limit->gives_way();
+    frame_context.yields = frame_context.yields || strain_limit->yields();
   }
   if (!touches()) return limit_alone(inert, h, factor, length, report);
 
@@ -144,7 +144,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   if (strain_limit) {
     strain_limit->prepare(cloth, factor, state, workers, &start_velocities);
   }
-  if (runs_detection) frame_context.closeness = precision_of(h, tolerance, length);
+  if (runs_detection) frame_context.tolerances = tolerances_at(h, tolerance, length);
   solve(runs_detection, report);
   follow_velocities(factor * h);
   if (strain_limit) strain_limit->learn_tension(workers);
@@ -179,25 +179,22 @@ void Simulator::Impl::correct_positions(bool runs_detection, StepReport& report)
 
 ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
                                           const SelfTouches& touches_of_itself) {
-  return {
-      h,
-      displacement_factor,
-      start,
-      followed,
-      workers,
-      frame_context.left,
-      std::max(scene.simulation.gravity.norm() + frame_context.external_acceleration, min_gravity),
-      collider_contacts.recovery_factor(),
-      colliders.empty() || frame_context.steps_left > 0 ? 0 : stretch_after(h),
-      &budget,
-      &touches_of_itself,
-      &start_velocities,
-      &collider_contacts.pinches().held(),
-      frame_context.since > h ? &detected_at : nullptr,
-      frame_context.since,
-      h * (frame_context.planned_steps + frame_context.steps_left),
-      frame_context.may_go,
-      bodies.empty() ? nullptr : &bodies};
+  ContactStep step{h, displacement_factor, start, followed, workers};
+  step.left = frame_context.left;
+  step.gravity =
+      std::max(scene.simulation.gravity.norm() + frame_context.external_acceleration, min_gravity);
+  step.recovery_factor = collider_contacts.recovery_factor();
+  if (!colliders.empty() && frame_context.steps_left == 0) step.stretch = stretch_after(h);
+  step.budget = &budget;
+  step.touches = &touches_of_itself;
+  step.velocities = &start_velocities;
+  step.held = &collider_contacts.pinches().held();
+  if (frame_context.since > h) step.detected_at = &detected_at;
+  step.since = frame_context.since;
+  step.ahead = h * (frame_context.planned_steps + frame_context.steps_left);
+  step.way = frame_context.may_go;
+  if (!bodies.empty()) step.bodies = &bodies;
+  return step;
 }
 
 void Simulator::Impl::refresh_contacts(const ContactStep& step) {
@@ -210,7 +207,7 @@ void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
   report.held_back += truncated;
   // Springs stay stretched where the limit yields or colliders pinch.
   const bool may_project =
-      strain_limit && !strain_limit->gives_way() && collider_contacts.pinches().count() == 0;
+      strain_limit && !strain_limit->yields() && collider_contacts.pinches().count() == 0;
   if (truncated > 0 && may_project) project_beside_truncated(step, report);
 }
 
@@ -218,7 +215,7 @@ void Simulator::Impl::guard(const ContactStep& step, StepReport& report) {
 /// displacement as well. It does not change velocities.
 void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepReport& report) {
   const State held = state;
-  project_springs(cloth, passes_in_vain, report);
+  project_springs(cloth, max_conflict_passes, report);
   if (!colliders.empty()) {
     collider_contacts.project_again(colliders, cloth, held.positions, state.positions);
   }
@@ -230,7 +227,7 @@ void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepRepo
 }
 
 int Simulator::Impl::max_limit_passes() const {
-  return strain_limit && strain_limit->gives_way() ? passes_in_vain : max_passes;
+  return strain_limit && strain_limit->yields() ? max_conflict_passes : max_passes;
 }
 
 void Simulator::Impl::limit_alone(const Cloth& inert, double h, double displacement_factor,
@@ -265,13 +262,13 @@ void Simulator::Impl::prepare_contacts(const ContactStep& step, StepReport& repo
   }
 }
 
-Precision Simulator::Impl::precision_of(double h, double tolerance, double length) const {
+PassTolerances Simulator::Impl::tolerances_at(double h, double tolerance, double length) const {
   const double moving = motion_precision * tolerance * h * speed_within(state.velocities);
-  const double at_rest = std::min(length / precision, rest_speed * h);
-  Precision result;
+  const double at_rest = std::min(length / tolerance_per_residual, rest_speed * h);
+  PassTolerances result;
   // With self contact springs are solved to the strict bound even in motion: their residuals would
   // keep piles from coming to rest.
-  result.stretch = std::max(length / precision, self_contacts ? 0 : moving);
+  result.stretch = std::max(length / tolerance_per_residual, self_contacts ? 0 : moving);
   result.touch = std::max(at_rest, moving);
   result.fold = std::max(at_rest, folding_precision * moving);
   result.unseen_fold = result.fold - at_rest;  // at rest no change is skipped
@@ -279,7 +276,7 @@ Precision Simulator::Impl::precision_of(double h, double tolerance, double lengt
 }
 
 void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
-  const Precision& small = frame_context.closeness;
+  const PassTolerances& small = frame_context.tolerances;
   // One pass is enough if detection is skipped, no spring is at its limit and no face in contact:
   // contacts of points share no point, and warm-started impulses fit the rest.
   const bool is_limited = strain_limit && !strain_limit->is_idle();
@@ -347,7 +344,7 @@ double Simulator::Impl::solve_colliders() {
         std::max(body_contacts.solve_pass(bodies),
                  collider_contacts.solve_coupled(cloth, state.positions, bodies, state.velocities));
     if (pass == 0) first = change;
-    if (change * frame_context.h <= frame_context.closeness.touch) break;
+    if (change * frame_context.h <= frame_context.tolerances.touch) break;
   }
   return std::max(first * frame_context.h,
                   collider_contacts.solve_pass(cloth, state.positions, &bodies, state.velocities));

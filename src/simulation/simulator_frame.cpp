@@ -71,7 +71,7 @@ void Simulator::Impl::begin_frame() {
   if (!holders.empty()) holders.begin_frame(hold_targets(), frame_context.dt, state);
   attachments.begin_frame();
   // Something moves again: colliders push cloth out at full speed.
-  if (collider_contacts.is_leaving() && !is_still()) collider_contacts.try_anew();
+  if (collider_contacts.has_recovered_recently() && !is_still()) collider_contacts.reset_recovery();
   if (strain_limit) strain_limit->begin_frame(speed_given());
   if (measures_wrenches) collider_impulses.assign(colliders.size(), {});
 }
@@ -152,7 +152,7 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
                                                        std::to_string(report.substeps) +
                                                        " substeps");
   }
-  if (frame_context.gives_way) report.reasons.add(Reason::limit_yields);
+  if (frame_context.yields) report.reasons.add(Reason::limit_yields);
   if (frame_context.projection_unconverged ||
       (strain_limit && strain_limit->is_beyond_repair(report.worst_stretch))) {
     report.reasons.add(Reason::passes_unconverged);
@@ -162,7 +162,7 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
 bool Simulator::Impl::is_explained(const State& before, const StepReport& report) {
   // Where the strain limit yields, energy may grow without a failure of the method. Then a frame
   // fails only at speeds from max_given_speed on.
-  const bool may_be_pulled = frame_context.gives_way &&
+  const bool may_be_pulled = frame_context.yields &&
                              !report.reasons.has(Reason::beyond_stability) &&
                              longest_row(state.velocities) < max_given_speed;
   if (disturbed || may_be_pulled) {
@@ -303,7 +303,7 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   }
   if (strain_limit || touches()) constrain(inert, h, report);
   if (!bodies.empty() && !touches()) solve_bodies_alone();
-  if (!holders.empty() || !attachments.empty()) judge_holders(h);
+  if (!holders.empty() || !attachments.empty()) update_holders(h);
   if (measures_wrenches) add_collider_impulses(h);
   return !budget.is_spent();
 }

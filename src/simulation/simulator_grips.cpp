@@ -95,7 +95,7 @@ std::vector<Vector3> Simulator::Impl::hold_targets() const {
   return targets;
 }
 
-void Simulator::Impl::judge_holders(double h) {
+void Simulator::Impl::update_holders(double h) {
   const double scale = as_force(cloth, h);
   attachments.end_step(scale, state.velocities);
   if (holders.any_sticks()) {
@@ -107,7 +107,8 @@ void Simulator::Impl::judge_holders(double h) {
     if (strain_limit) strain_limit->add_impulses(scale, impulses);
     if (self_contacts) self_contacts->add_impulses(scale, impulses);
   }
-  if (holders.judge(cloth, h, scale, scene.simulation.gravity, impulses, state)) follow_holders();
+  if (holders.update_slipping(cloth, h, scale, scene.simulation.gravity, impulses, state))
+    follow_holders();
 }
 
 void Simulator::Impl::finish_grips(double dt, const State& before) {

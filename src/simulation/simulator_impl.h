@@ -179,7 +179,7 @@ struct Simulator::Impl {
   /// Targets of pins and grips at the frame's end [m], in the order of holders.
   std::vector<Vector3> hold_targets() const;
   /// After a substep of h [s]: lets held points slip, or stick again.
-  void judge_holders(double h);
+  void update_holders(double h);
   /// Adds the impulses of a substep of h [s] to `collider_impulses`.
   void add_collider_impulses(double h);
   /// Computes the wrenches of colliders after a frame of dt [s].
@@ -271,8 +271,9 @@ struct Simulator::Impl {
     return longest_row(velocities) + std::max(frame_context.collider_speed, of_bodies);
   }
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
-  /// Corrects the violations that curvature and early ends of passes leave in the positions.
+  /// Moves points by the changes of their velocities since the last call: x += way dv.
   void follow_velocities(double way);
+  /// Corrects the violations that curvature and early ends of passes leave in the positions.
   void correct_positions(bool runs_detection, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
@@ -284,9 +285,9 @@ struct Simulator::Impl {
   void refresh_contacts(const ContactStep&);
   /// Detects contacts, and applies the impulses of the last step.
   void prepare_contacts(const ContactStep&, StepReport&);
-  /// Precision of the solution in a step of h [s], for a `tolerance` of strain. `length`: that
+  /// Tolerances of passes in a step of h [s], for a `tolerance` of strain. `length`: that
   /// tolerance times the shortest spring [m].
-  Precision precision_of(double h, double tolerance, double length) const;
+  PassTolerances tolerances_at(double h, double tolerance, double length) const;
   /// Passes over all constraints until changes are small.
   void solve(bool runs_detection, StepReport&);
   /// One pass over all contacts of colliders. Returns the largest change as a displacement [m].

@@ -1,12 +1,16 @@
 #include "clothsim/model/workers.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -237,6 +241,28 @@ TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
       EXPECT_EQ(state.velocities, expected.velocities) << threads;
     }
   }
+}
+
+/// Memory of this process, including what it has only reserved [bytes].
+rlim_t address_space() {
+  rlim_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(Workers, WithoutMemoryForTheirThreadsThrow) {
+  const auto start_too_many = [] {
+    const rlim_t limit = address_space() + (rlim_t{100} << 20);  // a thread takes 8 MB or more
+    const rlimit limits{limit, limit};
+    if (setrlimit(RLIMIT_AS, &limits) != 0) std::_Exit(1);
+    try {
+      Workers workers(64);
+    } catch (const std::system_error&) {
+      std::_Exit(0);
+    }
+    std::_Exit(2);
+  };
+  EXPECT_EXIT(start_too_many(), ::testing::ExitedWithCode(0), "");
 }
 
 /// A pile whose contacts are found and solved by all threads.

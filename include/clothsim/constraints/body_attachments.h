@@ -49,7 +49,7 @@ class BodyAttachments {
   /// Whether corrections of positions leave the points where they are: their inverse masses are 0,
   /// else as in a step.
   void fix(bool fixed, Cloth&) const;
-  /// Adds the impulses of a step to the sums. `scale`: as in Holders::judge().
+  /// Adds the impulses of a step to the sums. `scale`: as in Holders::update_slipping().
   void end_step(double scale, const Points& velocities);
 
   /// Impulse of the cloth on the body through the attachment `number` in the frame [N s].

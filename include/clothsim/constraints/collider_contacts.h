@@ -106,12 +106,12 @@ class ColliderContacts {
   bool recovers() const { return recovers_; }
 
   /// Have colliders pushed out cloth in recent substeps?
-  bool is_leaving() const { return leaving_ > 0; }
+  bool has_recovered_recently() const { return recovery_duration_ > 0; }
   /// Factor on the recovery speed, see ContactStep.
-  double recovery_factor() const { return recovery_factor_after(leaving_); }
+  double recovery_factor() const { return recovery_factor_after(recovery_duration_); }
   /// Resets the recovery factor to 1, so that cloth is pushed out at full speed again: to be called
   /// when something has moved.
-  void try_anew() { leaving_ = 0; }
+  void reset_recovery() { recovery_duration_ = 0; }
 
   /// Forgets the impulses, the distances of earlier steps, the pinches and the time of recovery.
   void reset();
@@ -253,10 +253,10 @@ class ColliderContacts {
   bool has_pinched_ = false;          // in the step before
   bool is_restored_pinched_ = false;  // the same, as it was written
   bool recovers_ = false;
-  double leaving_ = 0;          // time of steps with recovery, less that of others [s]
-  double recovery_factor_ = 1;  // of the step
-  Points unprojected_;          // positions before project_positions(), while points recover
-  LocalCloth local_;            // relative to a collider whose faces count
+  double recovery_duration_ = 0;  // time of steps with recovery, less that of others [s]
+  double recovery_factor_ = 1;    // of the step
+  Points unprojected_;            // positions before project_positions(), while points recover
+  LocalCloth local_;              // relative to a collider whose faces count
 };
 
 }  // namespace clothsim

@@ -78,13 +78,13 @@ struct ContactImpulse {
   Vector3 total() const { return normal_impulse * normal + friction_impulse; }
 
   /// Lowers the bound on the normal impulse, and scales the present impulse down to it.
-  void weaken(double strongest) {
+  void limit_normal_impulse(double strongest) {
     max_normal_impulse = std::min(max_normal_impulse, strongest);
     if (normal_impulse > max_normal_impulse) warm_start(max_normal_impulse / normal_impulse);
   }
 
   /// Ends the contact: no impulse from now on.
-  void let_go() {
+  void deactivate() {
     target_velocity = -std::numeric_limits<double>::infinity();
     normal_impulse = friction = 0;
     friction_impulse.setZero();

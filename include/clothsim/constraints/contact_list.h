@@ -79,9 +79,9 @@ class ContactList {
   void warm_start_again(Points& velocities) { warm_start(1, velocities); }
 
   /// One pass over the contacts, except for those whose points have changed by less than a share of
-  /// `precision` [m/s] since their last update; over all where it is below 0. Returns the largest
+  /// `tolerance` [m/s] since their last update; over all where it is below 0. Returns the largest
   /// change of a contact's velocity [m/s].
-  double solve_pass(double precision, Points& velocities, const Workers& = {});
+  double solve_pass(double tolerance, Points& velocities, const Workers& = {});
 
   /// Ends the contacts whose points are all pinched, and bounds the impulse of those with some
   /// pinched points by `strongest` [N s]. Takes the excess of warm_start() back from the velocities

@@ -30,7 +30,7 @@ inline constexpr double longest_step = 3e-3;
 
 /// Most passes where constraints may conflict: over a strain limit that yields, where more would
 /// only pull harder, and over triangles in a collider, each of which may move its neighbours in.
-inline constexpr int passes_in_vain = 50;
+inline constexpr int max_conflict_passes = 50;
 
 /// A step, for the detection of contacts after it.
 struct ContactStep {

@@ -74,8 +74,8 @@ class Holders {
   /// `impulses`: of the cloth on each point that sticks [N s], N x 3. `scale`: h / (h shortened by
   /// drag). A force through the whole substep loses a part to drag, an impulse of solve_pass() acts
   /// after it: for the same effect the impulse of the force is larger by this factor.
-  bool judge(const Cloth&, double h, double scale, const Vector3& gravity, const Points& impulses,
-             State&);
+  bool update_slipping(const Cloth&, double h, double scale, const Vector3& gravity,
+                       const Points& impulses, State&);
 
   /// Adds the impulses [N s] of springs and bends in a substep of h [s] to the rows of points that
   /// stick.
@@ -151,7 +151,7 @@ class Holders {
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;
   static void release(Point&, double max_force, const Vector3& impulse);
-  bool give_way(const std::vector<std::size_t>& of_holder, double strength, double h);
+  bool release_overloaded(const std::vector<std::size_t>& of_holder, double strength, double h);
   void count_slipping();
 
   std::vector<Point> points_;

@@ -65,15 +65,15 @@ inline double way_out_speed(double depth) {
 }
 
 /// Distance by which loaded points may sink in from where contact keeps them [m].
-inline constexpr double may_sink = surface_offset / 2;
+inline constexpr double penetration_slop = surface_offset / 2;
 
 /// Cloth may pass by a rim of a rigid body by this much nearer than contact keeps it [m].
-inline constexpr double passing_depth = may_sink / 10;
+inline constexpr double passing_depth = penetration_slop / 10;
 
 /// Distance to which contact moves a point at `distance` from a surface that should keep `kept`
 /// [m].
 inline double raised(double distance, double kept) {
-  return std::max(kept - may_sink, distance + overlap_share * (kept - distance));
+  return std::max(kept - penetration_slop, distance + overlap_share * (kept - distance));
 }
 
 /// Distance from a surface at the step's end, at least, of a point at `before` at its start [m].

@@ -31,9 +31,9 @@ class SelfContacts {
   /// velocities [m/s].
   void release_pinched(const Pinches&, Points& velocities);
 
-  /// One pass over the contacts, except for those without a change that matters to a `precision`
+  /// One pass over the contacts, except for those without a change that matters to a `tolerance`
   /// [m]. Returns the largest change as a displacement in h [m].
-  double solve_pass(double precision, Points& velocities, const Workers& = {});
+  double solve_pass(double tolerance, Points& velocities, const Workers& = {});
 
   /// Truncates displacements through the cloth itself, see keep_from_crossing(). Returns the number
   /// of truncated points.

@@ -18,10 +18,10 @@
 namespace clothsim {
 
 /// Ratio of the strain tolerance to the residual of a substep's rates, since residuals add up from
-/// step to step. The projection shortens springs to the tolerance less a share of 1 / precision of
-/// it: with the whole tolerance as target it would not end because of rounding, and with a smaller
-/// target springs that hold others up would go slack.
-inline constexpr double precision = 20;
+/// step to step. The projection shortens springs to the tolerance less a share of 1 /
+/// tolerance_per_residual of it: with the whole tolerance as target it would not end because of
+/// rounding, and with a smaller target springs that hold others up would go slack.
+inline constexpr double tolerance_per_residual = 20;
 
 /// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
 ///
@@ -39,7 +39,7 @@ inline constexpr double precision = 20;
 ///
 /// The limit has a strength: a bound on the impulses that a step begins with. Without it these
 /// impulses would throw points from side to side. Where the bound acts, the limit yields
-/// (gives_way()): springs stretch beyond their limit, against their own stiffness alone, and the
+/// (yields()): springs stretch beyond their limit, against their own stiffness alone, and the
 /// step has no projection.
 ///
 /// Each step checks all springs, but passes visit only those at their limit. Passes go colour by
@@ -110,7 +110,7 @@ class StrainLimit {
   bool is_beyond_repair(double stretch) const;
 
   /// Have impulses reached the strength of the limit in the last step?
-  bool gives_way() const { return gives_way_; }
+  bool yields() const { return yields_; }
 
   /// Was no spring at its limit in the last step?
   bool is_idle() const { return num_active_ == 0; }
@@ -120,7 +120,7 @@ class StrainLimit {
 
   /// Adds the impulses' magnitudes [N s], times `scale`, to `sum`, one number per spring of the
   /// cloth.
-  void add_strengths(double scale, std::vector<double>& sum) const;
+  void add_impulse_magnitudes(double scale, std::vector<double>& sum) const;
 
   /// Excludes springs with both ends at one holder from the limit: the holder keeps their length,
   /// whether the ends stick or slip. `holder_of_point`: a number for each point, -1 for a free one.
@@ -220,7 +220,7 @@ class StrainLimit {
   LimitStep step_{};                 // of the impulses
   double momentum_ = 1;              // strength at the end of solve()
   double max_velocity_impulse_ = 0;  // of this step, see FourSprings [m/s]
-  bool gives_way_ = false;
+  bool yields_ = false;
   double slack_ = 0;  // time until a spring may reach its limit [s]
   double others_ = std::numeric_limits<double>::infinity();  // see begin_frame() [m/s]
   TensionInertia inertia_;

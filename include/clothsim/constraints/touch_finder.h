@@ -56,7 +56,7 @@ class TouchFinder {
 
   Query query_in(const Cloth&, const ContactStep&, const State&) const;
   void look(const ContactStep&);
-  int judge(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
+  int guard_path(const Cloth&, const ContactStep&, const Points& by_impulses, State&);
   static std::optional<Contact> contact_of(const Query&, const NearPair&, const Contact* last);
 
   SelfCollision kind_;

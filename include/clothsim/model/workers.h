@@ -24,7 +24,8 @@ namespace clothsim {
 /// their data in its cache.
 class Workers {
  public:
-  /// `threads`: at least 1, including the calling thread.
+  /// `threads`: at least 1, including the calling thread. Throws std::system_error where a thread
+  /// cannot be started.
   Workers();  // one
   explicit Workers(int threads);
   ~Workers();
