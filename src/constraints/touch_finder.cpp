@@ -93,7 +93,13 @@ void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State&
                        ContactList& list) {
   if (looked_at_.rows() == 0) look(step);
   time_ += step.h;
-  middle_ = state.positions - step.displacement_factor * step.h * step.drifted;
+  middle_.resize(state.positions.rows(), 3);
+  step.workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
+    const int count = end - begin;
+    middle_.middleRows(begin, count) =
+        state.positions.middleRows(begin, count) -
+        step.displacement_factor * step.h * step.drifted.middleRows(begin, count);
+  });
   const Query query = query_in(cloth, step, state);
   const std::vector<NearPair>& near_pairs = near_.approaching();
   const auto found = step.workers.gather<std::vector<Contact>>(

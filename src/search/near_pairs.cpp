@@ -1,6 +1,7 @@
 #include "clothsim/search/near_pairs.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "clothsim/model/errors.h"
@@ -18,6 +19,14 @@ constexpr int longest_sleep = 256;
 
 /// Least band of a loop over pairs of patches that does little with each.
 constexpr int pairs_at_once = 1024;
+
+bool differ(const Points& a, const Points& b, const Workers& workers) {
+  std::atomic<bool> result{false};
+  workers.parallel_for(static_cast<int>(a.size()), [&](int begin, int end) {
+    if (!std::equal(a.data() + begin, a.data() + end, b.data() + begin)) result = true;
+  });
+  return result;
+}
 
 /// By cloth [m].
 std::vector<double> thickness_of(const Cloth& cloth) {
@@ -155,7 +164,7 @@ void NearPairs::be_at(const Points& positions, const Workers& workers) {
   if (last_.rows() == 0) {
     last_ = positions;
     pair_patches(workers);
-  } else if (last_ != positions) {
+  } else if (differ(last_, positions, workers)) {
     foresee(positions, workers);
     go(positions, workers);
   }

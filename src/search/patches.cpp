@@ -76,7 +76,11 @@ std::vector<Patch> cut_into_patches(const Tiling& tiling, const Points& rest) {
 
 void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
                           const Workers& workers) {
-  const Points ways = to - from;
+  Points ways(from.rows(), 3);
+  workers.parallel_for(static_cast<int>(ways.rows()), [&](int begin, int end) {
+    const int count = end - begin;
+    ways.middleRows(begin, count) = to.middleRows(begin, count) - from.middleRows(begin, count);
+  });
   longest_ = longest_beyond_mean(ways);
   ways_.resize(patches.size());
   workers.each(static_cast<int>(patches.size()), [&](int patch) {
