@@ -76,6 +76,7 @@ void pinned2_against_classic(benchmark::State& run) {
 void pinned2_with_two_threads(benchmark::State& run) {
   Scene scene = load("pinned2");
   scene.cloth.columns = scene.cloth.rows = static_cast<int>(run.range(0));
+  scene.cloth.pinned = {{0, 0, ""}, {scene.cloth.columns - 1, 0, ""}};
   std::vector<double> ratios;
   const auto seconds_of = [](Simulator& simulator) {
     const double start = wall_seconds();

@@ -36,6 +36,10 @@ double times_carried(double h) {
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
+/// Springs of a colour from which on several threads are faster than one, where a thread sees what
+/// another has written after 0.3 us.
+constexpr std::size_t springs_a_colour = 4096;
+
 /// Calls visit(i, points[i]) for different points.
 template <typename Visitor>
 void for_each_point(const std::vector<int>& points, const Workers& workers, const Visitor& visit) {
@@ -136,12 +140,19 @@ void StrainLimit::bound_impulses(double scale) {
   }
 }
 
+/// Threads wait for each other after each colour: they gain where that takes less time than their
+/// springs.
+const Workers& StrainLimit::threads_for_passes(const Workers& workers) const {
+  static const Workers one;
+  return num_active_ < springs_a_colour * colour_ends_.size() ? one : workers;
+}
+
 /// No two springs of a colour share a point, so the result does not depend on threads.
 template <typename OfPoints, typename OfSprings>
 void StrainLimit::by_stages(const Workers& workers, const OfPoints& of_points,
                             const OfSprings& of_springs) const {
   const int parts = stages_forth_.front();
-  workers.in_stages(stages_forth_, [&](int part) {
+  threads_for_passes(workers).in_stages(stages_forth_, [&](int part) {
     if (part < parts) {
       const std::size_t begin = index(part) * points_at_once;
       return of_points(begin, std::min(begin + points_at_once, touched_.size()));
@@ -262,7 +273,7 @@ PassChange StrainLimit::solve_active(double momentum, bool comes_back, const Wor
   const std::vector<int>& stages = comes_back ? stages_back_ : stages_forth_;
   const int points = stages.front(), segments = static_cast<int>(segment_ends_.size());
   changes_.resize(index(stages.back() - points));
-  workers.in_stages(stages, [&](int part) {
+  threads_for_passes(workers).in_stages(stages, [&](int part) {
     if (part < points) {
       const std::size_t begin = index(part) * points_at_once;
       const std::size_t count = std::min<std::size_t>(points_at_once, touched_.size() - begin);

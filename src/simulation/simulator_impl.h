@@ -262,8 +262,8 @@ struct Simulator::Impl {
   void end_detection(double h);
   void count_displacement(double h);
   bool may_skip_detection(double h) const;
-  /// May substeps skip detection at all? Not where springs are at their limit, nor while colliders
-  /// push out or pinch: their impulses depend on the steps.
+  /// Not where springs are at their limit, nor while colliders push out or pinch: their impulses
+  /// depend on the steps.
   bool is_settled() const;
   /// Largest relative speed of a point with these velocities and a collider [m/s].
   double max_speed(const Points& velocities) const {
@@ -277,16 +277,14 @@ struct Simulator::Impl {
   void correct_positions(bool runs_detection, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
   void constrain(const Cloth& inert, double h, StepReport&);
-  /// The same where the cloth can touch nothing. `length`: the strain tolerance times the shortest
-  /// spring [m].
+  /// The same where the cloth can touch nothing. `length`: as in tolerances_at().
   void limit_alone(const Cloth& inert, double h, double displacement_factor, double length,
                    StepReport&);
   /// Updates the known contacts without detection, and applies their impulses.
   void refresh_contacts(const ContactStep&);
   /// Detects contacts, and applies the impulses of the last step.
   void prepare_contacts(const ContactStep&, StepReport&);
-  /// Tolerances of passes in a step of h [s], for a `tolerance` of strain. `length`: that
-  /// tolerance times the shortest spring [m].
+  /// In a step of h [s], for a `tolerance` of strain. `length`: that times the shortest spring [m].
   PassTolerances tolerances_at(double h, double tolerance, double length) const;
   /// Passes over all constraints until changes are small.
   void solve(bool runs_detection, StepReport&);

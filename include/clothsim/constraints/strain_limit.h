@@ -197,6 +197,7 @@ class StrainLimit {
   void close_colour();
   void close_active();
   void list_stages();
+  const Workers& threads_for_passes(const Workers&) const;
   /// Calls of_points(begin, end) for bands of touched_, and then of_springs(begin, count) for
   /// segments of active_, colour by colour.
   template <typename OfPoints, typename OfSprings>
