@@ -144,7 +144,11 @@ void StrainLimit::bound_impulses(double scale) {
 /// springs.
 const Workers& StrainLimit::threads_for_passes(const Workers& workers) const {
   static const Workers one;
-  return num_active_ < springs_a_colour * colour_ends_.size() ? one : workers;
+  return shares_passes() ? workers : one;
+}
+
+bool StrainLimit::shares_passes() const {
+  return num_active_ >= springs_a_colour * colour_ends_.size();
 }
 
 /// No two springs of a colour share a point, so the result does not depend on threads.

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace clothsim {
@@ -76,10 +78,15 @@ struct Workers::Pool {
     ++loops;
     if (threads > 1) open(threads - 1);
     take_bands(0);
-    if (threads == 1) return;
-    ++round;  // closed: no thread enters any more; those inside finish their bands
+    if (threads > 1) close();
+    if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+  }
+
+  /// Ends the round: no thread enters any more; those inside finish their bands.
+  void close() {
+    ++round;
     for (int i = 0; i < threads - 1; ++i) {
-      wait_until([&] { return !helper(i).is_inside.load(std::memory_order_acquire); });
+      wait_until([&] { return !helper(i).is_inside; });
     }
   }
 
@@ -160,7 +167,12 @@ struct Workers::Pool {
     std::atomic<std::uint64_t>& last = taken[static_cast<std::size_t>(band)];
     std::uint64_t before = last.load(std::memory_order_relaxed);
     if (before == loops || !last.compare_exchange_strong(before, loops)) return;
-    loop.call(loop.body, begin_of(band), begin_of(band + 1));
+    try {
+      loop.call(loop.body, begin_of(band), begin_of(band + 1));
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(failure_mutex);
+      failure = std::current_exception();
+    }
     done.fetch_add(1, std::memory_order_release);
   }
 
@@ -192,6 +204,8 @@ struct Workers::Pool {
   int threads = 0;                                // that take part
   std::vector<int> one_stage;                     // for loops without stages
   std::vector<std::atomic<std::uint64_t>> taken;  // by band, the last loop in which it was begun
+  std::mutex failure_mutex;
+  std::exception_ptr failure;  // one that a body has thrown in this loop
   std::vector<Helper> helpers;
 };
 

@@ -97,6 +97,8 @@ void read_values_by_cloth(const YAML::Node& map, LiveSpec& live) {
            append({{"friction", into(cloth.friction)}, {"thickness", into(cloth.thickness)}},
                   fields);
            read_map(values, fields);
+           validate(cloth.material);  // here, for the name in errors
+           validate_contact(cloth.thickness, cloth.friction);
          }});
   }
   read_map(map, cloths);

@@ -257,10 +257,10 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_bands + bytes(cloth.mass) +
          bytes(cloth.first_points) + bytes(cloth.first_triangles) + bytes(cloth.frictions) +
-         bytes(cloth.thicknesses) + bytes(cloth.inv_mass) + bytes(cloth.pinned) +
-         bytes(saved.state.positions) + bytes(saved.state.velocities) + bytes(saved.memory) +
-         bytes(saved.colliders) + bytes(saved.pin_targets) + bytes(saved.collider_wrenches) +
-         bytes(saved.forces);
+         bytes(cloth.thicknesses) + bytes(saved.leads) + bytes(cloth.inv_mass) +
+         bytes(cloth.pinned) + bytes(saved.state.positions) + bytes(saved.state.velocities) +
+         bytes(saved.memory) + bytes(saved.colliders) + bytes(saved.pin_targets) +
+         bytes(saved.collider_wrenches) + bytes(saved.forces);
 }
 
 void Simulator::restore(const Saved& saved) {

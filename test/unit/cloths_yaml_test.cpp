@@ -160,6 +160,8 @@ TEST(Cloths, AWrongLiveValueOfOneIsRefusedByItsName) {
   };
   EXPECT_TRUE(says(change("{cloths: {other: {friction: -1}}}"),
                    "motions.0.set.cloths.other.friction ... -1"));
+  EXPECT_TRUE(
+      says(change("{cloths: {one: {density: 0}}}"), "motions.0.set.cloths.one.density ... 0"));
   EXPECT_TRUE(says(change("{cloths: {other: {damping: 2}}}"),
                    "motions.0.set.cloths.other.damping ... unknown key ... density"));
   EXPECT_TRUE(says(change("{cloths: {nobody: {}}}"), "motions.0.set.cloths.nobody ... one, other"));

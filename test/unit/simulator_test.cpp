@@ -1,6 +1,7 @@
 #include "clothsim/simulation/simulator.h"
 
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -398,6 +399,31 @@ TEST(Simulator, IsBrokenOffBetweenSubsteps) {
   simulator.load(scene);
   asked = 0;
   EXPECT_THROW(simulator.step(), Interrupted);
+}
+
+TEST(Simulator, KeepsTheFrameBeforeAfterAnExceptionInASubstep) {
+  Scene scene;
+  scene.cloth.columns = scene.cloth.rows = 8;
+  scene.cloth.pinned = {{0, 0, ""}};
+  scene.colliders = {
+      {"ball", Sphere{0.1}, {Vector3(5, 0, 1), Eigen::Quaterniond::Identity()}, 0, ""}};
+  scene.colliders[0].body.emplace();
+  scene.simulation.substeps = 10;
+  Simulator simulator(scene);
+  simulator.step();
+  const State before = simulator.state();
+  const Vector3 ball = simulator.collider_pose(0).position;
+  int asked = 0;
+  simulator.set_interrupt([&]() -> bool {
+    if (++asked == 4) throw std::bad_alloc();
+    return false;
+  });
+  EXPECT_THROW(simulator.step(), std::bad_alloc);
+  EXPECT_EQ(simulator.state().positions, before.positions);
+  EXPECT_EQ(simulator.state().time, before.time);
+  EXPECT_EQ(simulator.collider_pose(0).position, ball);
+  simulator.step();
+  EXPECT_NE(simulator.collider_pose(0).position, ball);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <new>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -213,23 +214,26 @@ TEST(ThreadBits, AreTheSameInSinglePrecision) {
   }
 }
 
-/// All springs over their limit: thousands of each colour.
+/// All springs over their limit: so many of each colour that threads share them.
 TEST(ThreadBits, AreTheSameFromTheStrainLimit) {
   ClothSpec spec;
-  spec.columns = spec.rows = 90;
+  spec.columns = spec.rows = 110;
   spec.material.strain_limit = 0.02;
   const Cloth cloth = make_grid(spec);
   const double h = 1e-3;
   const auto solved = [&](const Workers& workers, bool pass_by_pass) {
     State state{1.05 * shaken(cloth, 1e-4, 1), random_points(cloth.num_points(), 0.1, 2), 0};
     StrainLimit limit(cloth);
-    limit.warm_start(h, 1, state);
+    limit.warm_start(h, 1, state, workers);
     if (pass_by_pass) {
       limit.prepare(cloth, 1, state, workers);
       for (int pass = 0; pass < 5; ++pass) limit.solve_pass(state.velocities, workers);
     } else {
       EXPECT_EQ(limit.solve(cloth, 1, 1e-12, 4, 20, state, workers).count, 20);
     }
+    EXPECT_TRUE(limit.shares_passes());
+    limit.learn_tension(workers);
+    limit.warm_start(h, 1, state, workers);
     EXPECT_EQ(limit.project_positions(cloth, 1e-3, 10, state.positions, workers), 10);
     return state;
   };
@@ -251,8 +255,11 @@ rlim_t address_space() {
 }
 
 TEST(Workers, WithoutMemoryForTheirThreadsThrow) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more memory";
+#endif
   const auto start_too_many = [] {
-    const rlim_t limit = address_space() + (rlim_t{100} << 20);  // a thread takes 8 MB or more
+    const rlim_t limit = address_space() + (rlim_t{16} << 20);  // 64 stacks take more
     const rlimit limits{limit, limit};
     if (setrlimit(RLIMIT_AS, &limits) != 0) std::_Exit(1);
     try {
@@ -263,6 +270,24 @@ TEST(Workers, WithoutMemoryForTheirThreadsThrow) {
     std::_Exit(2);
   };
   EXPECT_EXIT(start_too_many(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(Workers, ThrowWhatABodyHasThrown) {
+  const Workers workers(3);
+  for (int bad = 0; bad < 8; ++bad) {
+    std::atomic<int> parts{0};
+    const auto run = [&] {
+      workers.in_stages({4, 8}, [&](int part) {
+        ++parts;
+        if (part == bad) throw std::bad_alloc();
+      });
+    };
+    EXPECT_THROW(run(), std::bad_alloc);
+    EXPECT_EQ(parts, 8);  // no thread waits for the part that has failed
+  }
+  std::atomic<int> sum{0};
+  workers.each(1000, [&](int k) { sum += k; });
+  EXPECT_EQ(sum, 499500);
 }
 
 /// A pile whose contacts are found and solved by all threads.

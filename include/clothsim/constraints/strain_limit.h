@@ -112,6 +112,9 @@ class StrainLimit {
   /// Have impulses reached the strength of the limit in the last step?
   bool yields() const { return yields_; }
 
+  /// Are there so many springs at their limit that threads share the passes over them?
+  bool shares_passes() const;
+
   /// Was no spring at its limit in the last step?
   bool is_idle() const { return num_active_ == 0; }
 

@@ -42,7 +42,8 @@ class Workers {
   /// Least band of a loop whose parts cost much more.
   static constexpr int dearest = 8;
 
-  /// To be called from one thread at a time, and not from within a body. A body must not throw.
+  /// To be called from one thread at a time, and not from within a body. With several threads a
+  /// body that throws does not end the loop, which throws one of the exceptions at its end.
   /// Bands are at least `min_band` long, except in a loop shorter than two of them.
   template <typename Body>
   void parallel_for(int count, const Body& body, int min_band = 1024,
@@ -56,7 +57,8 @@ class Workers {
   }
 
   /// Calls body(k) for parts in stages: those of a stage begin when all of earlier ones have ended.
-  /// `ends`: one more than the last part of each stage. One loop costs less than one a stage.
+  /// `ends`: one more than the last part of each stage; not empty. One loop costs less than one a
+  /// stage.
   template <typename Body>
   void in_stages(const std::vector<int>& ends, const Body& body) const {
     const int count = ends.back();

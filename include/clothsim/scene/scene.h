@@ -74,7 +74,8 @@ struct Scene {
 
 /// Values of a scene that may change between two frames. With several cloths, `cloths` has those of
 /// each, and `material`, `thickness` and `friction` those of the first; a value of these that
-/// differs from the simulator's present one becomes that of all cloths.
+/// differs from the simulator's present one and from that of the first in `cloths` becomes that of
+/// all cloths.
 struct LiveSpec {
   struct OfCloth {
     std::string name;

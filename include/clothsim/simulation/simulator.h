@@ -71,7 +71,8 @@ class Simulator {
   /// method, throws Diverged and keeps the last good frame. A frame that exceeds its budget of
   /// operations also throws Diverged. The budget is one visit to each point in each pass of each
   /// possible substep; for the first frame after set_state() it is about a second's work at 50 x 50
-  /// points. Any other exception, such as std::bad_alloc, keeps the frame before, too.
+  /// points. An exception from a substep, as of a library that cannot be loaded, keeps the frame
+  /// before, too.
   StepReport step();
 
   /// step() calls `is_interrupted` between substeps, in its own thread. If it returns true, step()
