@@ -36,8 +36,8 @@ double times_carried(double h) {
 
 Quad quad(const Points& points, int i) { return {points(i, 0), points(i, 1), points(i, 2), 0}; }
 
-/// Springs of a colour from which on several threads are faster than one, where a thread sees what
-/// another has written after 0.3 us.
+/// Springs of a colour from which on several threads are faster than one, measured where a write
+/// reaches another core after 0.3 us.
 constexpr std::size_t springs_a_colour = 4096;
 
 /// Calls visit(i, points[i]) for different points.
@@ -49,6 +49,12 @@ void for_each_point(const std::vector<int>& points, const Workers& workers, cons
       visit(place, points[place]);
     }
   });
+}
+
+/// First and number of the fours of segment `k`. `ends`: one more than the last of each segment.
+std::pair<std::size_t, std::size_t> segment(const std::vector<int>& ends, int k) {
+  const int begin = k > 0 ? ends[static_cast<std::size_t>(k - 1)] : 0;
+  return {begin, ends[static_cast<std::size_t>(k)] - begin};
 }
 
 void set_row(Points& points, int i, const Quad& q) {
@@ -161,9 +167,8 @@ void StrainLimit::by_stages(const Workers& workers, const OfPoints& of_points,
       const std::size_t begin = index(part) * points_at_once;
       return of_points(begin, std::min(begin + points_at_once, touched_.size()));
     }
-    const std::size_t k = index(part - parts);
-    const std::size_t begin = k > 0 ? index(segment_ends_[k - 1]) : 0;
-    of_springs(begin, index(segment_ends_[k]) - begin);
+    const auto [begin, count] = segment(segment_ends_, part - parts);
+    of_springs(begin, count);
   });
 }
 
@@ -286,10 +291,9 @@ PassChange StrainLimit::solve_active(double momentum, bool comes_back, const Wor
     const int place = part - points;
     const bool goes_back = place >= segments;
     const int k = goes_back ? stages_forth_.end()[-2] - points - 1 - (place - segments) : place;
-    const int begin = k > 0 ? segment_ends_[index(k - 1)] : 0;
-    changes_[index(place)] = solve_springs(
-        &active_[index(begin)], index(segment_ends_[index(k)] - begin), goes_back ? 0 : momentum,
-        goes_back, max_velocity_impulse_, velocities_.data());
+    const auto [begin, count] = segment(segment_ends_, k);
+    changes_[index(place)] = solve_springs(&active_[begin], count, goes_back ? 0 : momentum,
+                                           goes_back, max_velocity_impulse_, velocities_.data());
   });
   PassChange change;
   for (const PassChange& of_segment : changes_) change.add(of_segment);

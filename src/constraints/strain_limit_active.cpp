@@ -7,7 +7,7 @@
 namespace clothsim {
 namespace {
 
-/// Fours of a segment: half of what is worth a thread, as the stages of a pass share a loop.
+/// Fours of a segment: half as many as pay for a loop of their own, since a pass is one loop.
 constexpr int segment_length = near_at_once / 2 / static_cast<int>(FourSprings::count);
 
 }  // namespace
