@@ -6,7 +6,7 @@
 #include "clothsim/constraints/body_contacts.h"
 #include "clothsim/constraints/rigid_bodies.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 inline constexpr double g = 9.8;  // [m/s^2]
 
@@ -53,4 +53,4 @@ struct World {
   BodyContacts contacts;
 };
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -12,7 +12,7 @@
 
 // Closed surfaces for tests, and files of them.
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// The boundary of a set of unit cells of a lattice, scaled: `is_solid(x, y, z)` for whole numbers
 /// from 0 to `count` - 1 along each axis. Two triangles to a face. Cells must not meet along an
@@ -229,4 +229,4 @@ inline void write_stl(const std::string& path, const TriangleSoup& soup) {
   file << "endsolid test\n";
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

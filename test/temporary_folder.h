@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// A new folder of a test's own, removed at the end with all its contents.
 class TemporaryFolder {
@@ -31,4 +31,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -17,8 +17,8 @@
 namespace clothsim {
 namespace {
 
-constexpr double folded = 3;  // [s] from the start
-const Workers alone;
+constexpr double folded_after = 3;  // [s] from the start
+const Workers one_thread;
 
 Scene pile(SelfCollision kind) {
   Scene scene = load("self_collision");
@@ -27,8 +27,8 @@ Scene pile(SelfCollision kind) {
 }
 
 const Settled& settled(SelfCollision kind) {
-  static const Settled points(pile(SelfCollision::points), folded);
-  static const Settled surface(pile(SelfCollision::surface), folded);
+  static const Settled points(pile(SelfCollision::points), folded_after);
+  static const Settled surface(pile(SelfCollision::surface), folded_after);
   return kind == SelfCollision::points ? points : surface;
 }
 
@@ -45,7 +45,7 @@ struct Drift {
     state.velocities.col(2).array() -= 9.8 * h;
     state.positions += h * state.velocities;
   }
-  ContactStep step() const { return {h, displacement_factor, start, velocities, alone}; }
+  ContactStep step() const { return {h, displacement_factor, start, velocities, one_thread}; }
 
   Points start;
   Points velocities;

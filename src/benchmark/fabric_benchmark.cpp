@@ -14,19 +14,19 @@
 namespace clothsim {
 namespace {
 
-enum class Shape { grid, mesh, curved };
+enum class FabricShape { grid, mesh, curved };
 
 /// A square metre of cotton, 50 x 50 points.
-ClothSpec fabric(Shape shape, bool damped) {
+ClothSpec fabric(FabricShape shape, bool damped) {
   ClothSpec grid;
   grid.material.fabric = Fabric{{1000, 700}, 40, {14e-6, 8.7e-6}, {}};
   if (damped) grid.material.fabric->internal_damping = {1e-5, 4e-3};
   grid.material.density = 0.16;
   grid.material.damping = 0;
   grid.material.strain_limit.reset();
-  if (shape == Shape::grid) return grid;
+  if (shape == FabricShape::grid) return grid;
   ClothSpec spec = join_cloths({{"cloth", grid}});
-  if (shape == Shape::mesh) return spec;
+  if (shape == FabricShape::mesh) return spec;
   ClothMesh mesh = *spec.mesh;
   for (auto x : mesh.positions.rowwise()) {  // rolled to an arc of two radians
     const double turn = 2 * x[0];
@@ -38,7 +38,7 @@ ClothSpec fabric(Shape shape, bool damped) {
   return spec;
 }
 
-void forces_of_fabric(benchmark::State& run, Shape shape, bool damped) {
+void forces_of_fabric(benchmark::State& run, FabricShape shape, bool damped) {
   const Cloth cloth = make_cloth(fabric(shape, damped));
   Points positions = cloth.rest_positions, velocities = cloth.rest_positions;
   for (int i = 0; i < cloth.num_points(); ++i) {  // waves, so that damping has something to do
@@ -53,12 +53,15 @@ void forces_of_fabric(benchmark::State& run, Shape shape, bool damped) {
   }
 }
 
-BENCHMARK_CAPTURE(forces_of_fabric, grid, Shape::grid, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(forces_of_fabric, grid_damped, Shape::grid, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(forces_of_fabric, mesh, Shape::mesh, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(forces_of_fabric, mesh_damped, Shape::mesh, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(forces_of_fabric, curved, Shape::curved, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(forces_of_fabric, curved_damped, Shape::curved, true)
+BENCHMARK_CAPTURE(forces_of_fabric, grid, FabricShape::grid, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(forces_of_fabric, grid_damped, FabricShape::grid, true)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(forces_of_fabric, mesh, FabricShape::mesh, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(forces_of_fabric, mesh_damped, FabricShape::mesh, true)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(forces_of_fabric, curved, FabricShape::curved, false)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(forces_of_fabric, curved_damped, FabricShape::curved, true)
     ->Unit(benchmark::kMicrosecond);
 
 }  // namespace

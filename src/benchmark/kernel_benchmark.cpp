@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/verlet.h"
@@ -126,7 +125,7 @@ void two_threads(benchmark::State& run) {
   const Workers one;
   const Workers two(2);
   const auto seconds_with = [&](const Workers& workers) {
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (int i = 0; i < 20; ++i) {
       const auto start = Clock::now();
       method.step(setup.cloth, Loads(), h, setup.state, workers);
@@ -134,7 +133,7 @@ void two_threads(benchmark::State& run) {
     }
     return least;
   };
-  double alone = std::numeric_limits<double>::infinity();
+  double alone = infinity;
   double together = alone;
   for (auto _ : run) {
     alone = std::min(alone, seconds_with(one));

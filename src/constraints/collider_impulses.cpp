@@ -8,12 +8,10 @@
 namespace clothsim {
 namespace {
 
-constexpr int block_size = ContactSlots::block;
-
 /// Sums by lane, independent of each other.
 struct LaneSums {
-  std::array<std::array<double, block_size>, 3> impulse{};  // [N s]
-  std::array<std::array<double, block_size>, 3> moment{};   // about the origin [N m s]
+  std::array<std::array<double, ContactSlots::block>, 3> impulse{};  // [N s]
+  std::array<std::array<double, ContactSlots::block>, 3> moment{};   // about the origin [N m s]
 };
 
 /// Adds the impulses on the points of these blocks, none of which ends beyond `mass` and `x`.
@@ -24,9 +22,9 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
   LaneSums s = sums;
   for (std::size_t k = 0; k < count; ++k) {
     const ContactSlots::Block& b = slots[blocks[k]];
-    const int first = blocks[k] * block_size;
+    const int first = blocks[k] * ContactSlots::block;
 #pragma GCC ivdep
-    for (int lane = 0; lane < block_size; ++lane) {
+    for (int lane = 0; lane < ContactSlots::block; ++lane) {
       const auto l = static_cast<std::size_t>(lane);
       const int i = first + lane;
       const double fx =
@@ -47,10 +45,10 @@ void add_up(const int* blocks, std::size_t count, const ContactSlots::Block* slo
   sums = s;
 }
 
-Vector3 total(const std::array<std::array<double, block_size>, 3>& lanes) {
+Vector3 total(const std::array<std::array<double, ContactSlots::block>, 3>& lanes) {
   Vector3 sum;
   for (int axis = 0; axis < 3; ++axis) {
-    sum[axis] = Eigen::Map<const Eigen::Array<double, block_size, 1>>(
+    sum[axis] = Eigen::Map<const Eigen::Array<double, ContactSlots::block, 1>>(
                     lanes[static_cast<std::size_t>(axis)].data())
                     .sum();
   }

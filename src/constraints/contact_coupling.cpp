@@ -10,14 +10,14 @@ namespace {
 constexpr double opposite = -0.95;
 
 /// Rounding of impulses on a frictionless surface, of the normal impulse.
-constexpr double rounding = 1e-12;
+constexpr double impulse_rounding = 1e-12;
 
 /// Largest share, at most 1, of a change that leaves an impulse within Coulomb's cone.
 double share_within_cone(const ContactImpulse& impulse, const Vector3& change) {
   const double along = impulse.normal.dot(change);
   const Vector3 across = change - along * impulse.normal;
   const Vector3& f = impulse.friction_impulse;
-  const double n = impulse.normal_impulse, slope = impulse.friction + rounding;
+  const double n = impulse.normal_impulse, slope = impulse.friction + impulse_rounding;
   // |f + s across|^2 = slope^2 (n + s along)^2
   const double a = across.squaredNorm() - slope * slope * along * along;
   const double b = f.dot(across) - slope * slope * n * along;

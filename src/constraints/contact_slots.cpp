@@ -10,13 +10,12 @@
 namespace clothsim {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int block_size = ContactSlots::block;
 using Triples = ContactSlots::Triples;
 using Block = ContactSlots::Block;
 
 /// Velocity of a solid about `origin`, in the world.
-struct Motion {
+struct SolidMotion {
   Vector3 velocity;  // [m/s]
   Vector3 angular;   // [rad/s]
   Vector3 origin;    // [m]
@@ -26,7 +25,7 @@ struct Motion {
 /// impulses act, as if it followed the surface from there on, `way` [s] back along the velocity
 /// that brought it to x. For others, which may still pass by: x.
 CLOTHSIM_TARGET_CLONES
-void go_back(int count, double way, const Motion& motion, PointRun x, PointRun drifted,
+void go_back(int count, double way, const SolidMotion& motion, PointRun x, PointRun drifted,
              Block* slots, MutablePointRun from) {
   const Vector3 v = motion.velocity, w = motion.angular, origin = motion.origin;
   for (int first = 0; first < count; first += block_size, ++slots) {

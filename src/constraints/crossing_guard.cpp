@@ -1,21 +1,18 @@
 #include "clothsim/constraints/crossing_guard.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <vector>
 
 namespace clothsim {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Features never come nearer than this share of the least contact distance: far above rounding,
 /// which would let them cross.
 constexpr double floor_share = 1e-5;
 
 /// More than the rounding of the motion of two features alike, as a share of the floor.
-constexpr double rounding = 1e-6;
+constexpr double motion_rounding = 1e-6;
 
 /// Measurements in a step: points that must wait for others to move get as many chances.
 constexpr int max_legs = 6;
@@ -37,7 +34,7 @@ struct TruncationBounds {
     const double distance = near.separation.distance;
     const double now = gap_along(near.separation.normal, near.pair, here);
     if (now < floor / 4) return infinity;
-    return distance > 0.75 * floor ? std::min(floor, now - rounding * floor) : distance;
+    return distance > 0.75 * floor ? std::min(floor, now - motion_rounding * floor) : distance;
   }
 };
 

@@ -304,8 +304,7 @@ bool Holders::release_overloaded(const std::vector<std::size_t>& points, double 
     left -= load;
     --sharers;
   }
-  const double max_force =
-      sharers > 0 ? left / static_cast<double>(sharers) : std::numeric_limits<double>::infinity();
+  const double max_force = sharers > 0 ? left / static_cast<double>(sharers) : infinity;
   bool changes = false;
   for (const std::size_t i : points) {
     Point& p = points_[i];

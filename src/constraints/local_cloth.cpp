@@ -1,7 +1,6 @@
 #include "clothsim/constraints/local_cloth.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "clothsim/constraints/strain_limit.h"
 #include "clothsim/dynamics/springs.h"
@@ -49,7 +48,7 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
 }
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {
-  if (cloth.triangles.empty()) return std::numeric_limits<double>::infinity();
+  if (cloth.triangles.empty()) return infinity;
   // A cloth without limit gets the usual one: the distance of points changes with their springs
   // only where these stretch further.
   static const double usual_limit = Material().strain_limit.value();

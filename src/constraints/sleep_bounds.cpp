@@ -7,8 +7,6 @@
 namespace clothsim {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Compares bits, which is far faster than to measure.
 bool are_same(const Points& a, const Points& b) {
   const auto bytes = static_cast<std::size_t>(a.size()) * sizeof(double);

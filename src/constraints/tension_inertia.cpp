@@ -15,19 +15,19 @@ namespace {
 /// Added inertia, as a multiple of h^2 sum(T / l). More keeps longer steps stable than the weight
 /// needs, but passes converge more slowly with unequal masses: at 0.5 a cloth of 50 x 50 points may
 /// shake for lack of passes.
-constexpr double added = 0.4;
+constexpr double added_inertia = 0.4;
 
 /// Share of added inertia that is left after a step where tension falls. Passes that end early
 /// leave noise in tension, and inertia that followed it would make the noise of the next step: at
 /// 0.9 the same cloth may shake for ever.
-constexpr double kept = 0.97;
+constexpr double kept_share = 0.97;
 
 /// Largest added inertia over a point's mass: with more, no step is stable. With x = h^2 sum(T / l)
-/// / m that is x < 2 (1 + added x). Where pins or colliders conflict, tension has no bound.
-constexpr double max_added = added / (0.5 - added);
+/// / m that is x < 2 (1 + added_inertia x). Where pins or colliders conflict, tension has no bound.
+constexpr double max_added = added_inertia / (0.5 - added_inertia);
 
 /// Points that are checked together for tension, as the division takes longer than the check.
-constexpr int block = num_lanes * num_lanes;
+constexpr int checked_together = num_lanes * num_lanes;
 
 /// Sets inverse masses with the added inertia time2 * stiffness, for free points. Drops stiffness
 /// beyond the largest, below the rounding of a mass, or at held points.
@@ -35,8 +35,8 @@ CLOTHSIM_TARGET_CLONES
 void add_inertia(int count, double time2, const double* mass, const double* without,
                  double* stiffness, double* inv_mass) {
   const double to_stiffness = 1 / time2;
-  for (int first = 0; first < count; first += block) {
-    const int end = std::min(first + block, count);
+  for (int first = 0; first < count; first += checked_together) {
+    const int end = std::min(first + checked_together, count);
     long tense = 0;
     for (int i = first; i < end; ++i) tense += stiffness[i] > 0;
     if (tense == 0) {
@@ -186,7 +186,7 @@ void TensionInertia::add_tension_mass(const Cloth& cloth, double h, const State&
   }
   inv_mass.resize(cloth.num_points());
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
-    add_inertia(end - begin, added * h * h, &cloth.mass[begin], &cloth.inv_mass[begin],
+    add_inertia(end - begin, added_inertia * h * h, &cloth.mass[begin], &cloth.inv_mass[begin],
                 &stiffness_[begin], &inv_mass[begin]);
   });
   const double* const first = cloth.inv_mass.data();
@@ -204,8 +204,8 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
   Body body;
   add_up(count,
          {run_from(state.positions, 0), run_from(state.velocities, 0),
-          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), way, added * h * h,
-          std::exp(-cloth.damping * h), origin},
+          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), way,
+          added_inertia * h * h, std::exp(-cloth.damping * h), origin},
          body);
 
   // A rigid motion of the whole, about the centre of mass.
@@ -225,11 +225,11 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
 }
 
 double TensionInertia::mass_ratio(double h) const {
-  return is_tense_ ? added * h * h * total(count(), stiffness_.data()) / mass_ : 0;
+  return is_tense_ ? added_inertia * h * h * total(count(), stiffness_.data()) / mass_ : 0;
 }
 
 double TensionInertia::mass_ratio_at(double frequency, double h) {
-  return added * (h * frequency) * (h * frequency);
+  return added_inertia * (h * frequency) * (h * frequency);
 }
 
 double TensionInertia::frequency(const Cloth& cloth) const {
@@ -238,7 +238,7 @@ double TensionInertia::frequency(const Cloth& cloth) const {
 
 void TensionInertia::fade() {
   if (!is_tense_) return;
-  scale(count(), kept, stiffness_.data());
+  scale(count(), kept_share, stiffness_.data());
 }
 
 void TensionInertia::add(int point, double stiffness) {

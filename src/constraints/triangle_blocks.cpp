@@ -1,14 +1,9 @@
 #include "clothsim/constraints/triangle_blocks.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace clothsim {
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 void TriangleBlocks::reset(const Cloth& cloth) {
   triangles_ = cloth.triangles.size();

@@ -20,7 +20,7 @@ constexpr double max_way = 0.2;
 
 /// Displacement of such a point beyond that surface, of the shortest edge: it ends clearly on its
 /// own side.
-constexpr double beyond = 0.02;
+constexpr double overshoot = 0.02;
 
 /// Share of the mean displacement of its neighbours that a point takes, and cells over which they
 /// take it along: so the cloth bends where it moves, and does not crease.
@@ -248,7 +248,7 @@ Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& co
         const bool is_first = surface.is_above(c) == is_part_above[s];
         const double depth =
             std::abs(c.normal.dot(surface.along(c))) * (is_first ? c.share : 1 - c.share);
-        const double way = (std::min(depth / edge_length, max_way) + beyond) * edge_length;
+        const double way = (std::min(depth / edge_length, max_way) + overshoot) * edge_length;
         ways.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
                  surface.cloth().triangles[static_cast<std::size_t>(c.triangle)], c.weights,
                  (is_part_above[s] ? -way : way) * c.normal);
@@ -273,7 +273,7 @@ void keep_out(const Cloth& cloth, const std::vector<MovingCollider>& colliders, 
 }
 
 double shortest_edge(const Cloth& cloth, const SurfaceEdges& surface) {
-  double shortest = std::numeric_limits<double>::infinity();
+  double shortest = infinity;
   for (const auto& [points, triangles] : surface.edges) {
     const Vector3 along =
         row(cloth.rest_positions, points[1]) - row(cloth.rest_positions, points[0]);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "clothsim/model/point_run.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -19,19 +20,9 @@ const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
 /// Added to squared areas [m^4] and speeds [m^2/s^2] before divisions and roots.
 constexpr double tiny = std::numeric_limits<double>::min();
 
-struct Columns {
-  const double* x;
-  const double* y;
-  const double* z;
-};
-
-Columns columns_of(const Points& points, int i) {
-  return {&points(i, 0), &points(i, 1), &points(i, 2)};
-}
-
 /// Forces on each corner of the triangles (i, i + b, i + c), i in [0, count): see AirForces.
 CLOTHSIM_TARGET_CLONES
-void add_forces(Columns p, Columns v, int b, int c, int count, double across, double along,
+void add_forces(PointRun p, PointRun v, int b, int c, int count, double across, double along,
                 double wind_x, double wind_y, double wind_z, double* __restrict fx,
                 double* __restrict fy, double* __restrict fz) {
   const double third = 1.0 / 3;
@@ -62,8 +53,8 @@ void add_mesh_forces(const Cloth& cloth, double across, double along, const Vect
                      const State& state, Points& forces) {
   for (const auto& [a, b, c] : cloth.triangles) {
     double fx = 0, fy = 0, fz = 0;
-    add_forces(columns_of(state.positions, a), columns_of(state.velocities, a), b - a, c - a, 1,
-               across, along, wind.x(), wind.y(), wind.z(), &fx, &fy, &fz);
+    add_forces(run_from(state.positions, a), run_from(state.velocities, a), b - a, c - a, 1, across,
+               along, wind.x(), wind.y(), wind.z(), &fx, &fy, &fz);
     for (const int i : {a, b, c}) forces.row(i) += Eigen::RowVector3d(fx, fy, fz);
   }
 }
@@ -120,8 +111,8 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   const auto add_rows = [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
       const int i = row * columns;
-      const Columns p = columns_of(state.positions, i);
-      const Columns v = columns_of(state.velocities, i);
+      const PointRun p = run_from(state.positions, i);
+      const PointRun v = run_from(state.velocities, i);
       const auto add_all = [&](int b, int c, Points& forces) {
         double* const f = &forces(before + i, 0);
         const auto stride = forces.rows();

@@ -8,6 +8,7 @@
 
 #include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/model/lanes.h"
+#include "clothsim/model/point_run.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -15,14 +16,6 @@ namespace {
 
 /// Points that are summed at once: any number of threads sums in the same order.
 constexpr int points_in_sum = 1024;
-
-/// Addresses of points in each coordinate's column.
-struct Columns {
-  Columns(const Points& points, int i) : x(&points(i, 0)), y(&points(i, 1)), z(&points(i, 2)) {}
-  const double* x;
-  const double* y;
-  const double* z;
-};
 
 /// Sums over stencils b of stiffness k and rate b': of k b b^T its xx, yy, zz, xy, yz, zx; of
 /// k b x b'; and of k.
@@ -52,8 +45,8 @@ template <typename Number>
 
 template <typename Number>
 [[gnu::always_inline]] inline void add_stencils(int i, const BendBand& band,
-                                                const double* stiffness, const Columns& p,
-                                                const Columns& v, Number* sums) {
+                                                const double* stiffness, PointRun p, PointRun v,
+                                                Number* sums) {
   Number k, x, y, z, a, b, c;
   load(stiffness + i, k);
   sum_at(p.x, i, band, x);
@@ -77,8 +70,8 @@ template <typename Number>
 
 /// Adds the band's stencils at points [0, count) of the columns to `total`.
 CLOTHSIM_TARGET_CLONES
-void sum_stencils(const BendBand& band, const double* stiffness, int count, const Columns& p,
-                  const Columns& v, Sums& total) {
+void sum_stencils(const BendBand& band, const double* stiffness, int count, PointRun p, PointRun v,
+                  Sums& total) {
   Eight sums[num_sums] = {};
   int i = 0;
   for (; i + num_lanes <= count; i += num_lanes) add_stencils(i, band, stiffness, p, v, sums);
@@ -106,8 +99,8 @@ BendMotion motion_of_grid(const Cloth& cloth, const Points& positions, const Poi
     const int end = std::min(begin + points_in_sum, static_cast<int>(band.stiffness.size()));
     if (begin >= end) return;
     Sums& result = sums[static_cast<std::size_t>(part) * num_bands + k];
-    sum_stencils(band, &band.stiffness[begin], end - begin, {positions, begin}, {rates, begin},
-                 result);
+    sum_stencils(band, &band.stiffness[begin], end - begin, run_from(positions, begin),
+                 run_from(rates, begin), result);
     result[num_sums - 1] *= band.a == band.b ? 3 : 2;  // half the sum of squared coefficients
   };
   workers.parallel_for(
@@ -125,7 +118,7 @@ BendMotion motion_of_grid(const Cloth& cloth, const Points& positions, const Poi
 
 /// Writes v less the velocities of a rotation about `centre`.
 CLOTHSIM_TARGET_CLONES
-void subtract_rotation(int count, const double* omega, const double* centre, Columns p, Columns v,
+void subtract_rotation(int count, const double* omega, const double* centre, PointRun p, PointRun v,
                        double* __restrict rx, double* __restrict ry, double* __restrict rz) {
   const double a = omega[0], b = omega[1], c = omega[2];
   for (int i = 0; i < count; ++i) {
@@ -187,8 +180,8 @@ void remove_rotation(const Cloth& cloth, const Points& positions, const Points& 
   }
   const Vector3 centre = row(positions, 0);
   workers.parallel_for(n, [&](int begin, int end) {
-    subtract_rotation(end - begin, rotations[0].data(), centre.data(), {positions, begin},
-                      {rates, begin}, &relative(begin, 0), &relative(begin, 1),
+    subtract_rotation(end - begin, rotations[0].data(), centre.data(), run_from(positions, begin),
+                      run_from(rates, begin), &relative(begin, 0), &relative(begin, 1),
                       &relative(begin, 2));
   });
 }

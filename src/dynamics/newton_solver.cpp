@@ -62,9 +62,7 @@ void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weight
     ++springs[a];
     ++springs[b];
   });
-  spare =
-      (cloth.inv_mass.array() > 0)
-          .select(weights.array() / (springs.array() + 1), std::numeric_limits<double>::infinity());
+  spare = (cloth.inv_mass.array() > 0).select(weights.array() / (springs.array() + 1), infinity);
 }
 
 /// Adds `block` to both points, -`block` between them, except for pins.

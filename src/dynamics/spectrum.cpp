@@ -18,8 +18,6 @@
 namespace clothsim {
 namespace {
 
-constexpr int block = points_at_once;
-
 /// Coefficients of a symmetric 3 x 3 matrix, each in a column of its own: xx, yy, zz, xy, yz, xz.
 enum { coefficients = 6 };
 
@@ -43,10 +41,10 @@ struct Matrices {
   Real* operator[](int coefficient) const { return first + coefficient * stride; }
 };
 
-/// A spring no longer than sqrt(min_length2) [m] has no direction. It does not count, as it has no
-/// force; in single precision, where that is uncertain, it counts in all directions.
+/// A spring no longer than sqrt(min_direction2) [m] has no direction. It does not count, as it has
+/// no force; in single precision, where that is uncertain, it counts in all directions.
 template <typename Real>
-constexpr Real min_length2 = std::numeric_limits<Real>::min();
+constexpr Real min_direction2 = std::numeric_limits<Real>::min();
 template <typename Real>
 constexpr bool counts_without_length = false;
 template <>
@@ -80,7 +78,7 @@ template <typename Real>
     const auto dy = static_cast<Real>(y[i + offset] - y[i]);
     const auto dz = static_cast<Real>(z[i + offset] - z[i]);
     const Real length2 = dx * dx + dy * dy + dz * dz;
-    const bool has_length = length2 > min_length2<Real>;
+    const bool has_length = length2 > min_direction2<Real>;
     const Real inverse = has_length ? 1 / std::sqrt(length2) : Real{0};
     const Real slack = 1 - rest_length * inverse;
     const Real across = slack > 0 ? slack : Real{0};
@@ -146,7 +144,7 @@ class StiffnessBlock {
  public:
   /// For points [first, first + count), `count` at most `block`.
   void sum(const Cloth& cloth, const Points& positions, int first, int count) {
-    sums_.assign(coefficients * block, 0);
+    sums_.assign(coefficients * points_at_once, 0);
     for_each_band(cloth, [&](const SpringBand& band) {
       const SpringRun& run = *band.begin;
       const int from = std::max(band.first(), first - run.offset);
@@ -176,7 +174,7 @@ class StiffnessBlock {
     });
   }
 
-  Matrices<Real> matrices() { return {sums_.data(), block}; }
+  Matrices<Real> matrices() { return {sums_.data(), points_at_once}; }
 
  private:
   std::vector<Real> sums_;
@@ -190,8 +188,8 @@ bool are_surely_below(const Cloth& cloth, const Points& positions, double omega,
   std::atomic<bool> below{true};
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     StiffnessBlock<float> points;
-    for (int first = begin; first < end; first += block) {
-      const int count = std::min(block, end - first);
+    for (int first = begin; first < end; first += points_at_once) {
+      const int count = std::min(points_at_once, end - first);
       points.sum(cloth, positions, first, count);
       if (!are_below(points.matrices(), &cloth.inv_mass[first], count, omega2)) below = false;
     }
@@ -296,14 +294,15 @@ double springs_bound(const Cloth& cloth, const Points& positions, double min_ome
   StiffnessBlock<double> points;
   double omega2 = min_omega * min_omega;
   for (int first = 0; first < n; first += batch) {
-    if (first % block == 0) points.sum(cloth, positions, first, std::min(block, n - first));
-    const Matrices<double> s{points.matrices()[0] + first % block, block};
+    if (first % points_at_once == 0)
+      points.sum(cloth, positions, first, std::min(points_at_once, n - first));
+    const Matrices<double> s{points.matrices()[0] + first % points_at_once, points_at_once};
     const int count = std::min(batch, n - first);
     const double bound = omega2 * (1 + share);
     if (are_below(s, &cloth.inv_mass[first], count, bound)) continue;
     for (int i = 0; i < count; ++i) {
       const double inv_mass = cloth.inv_mass[first + i];
-      const Matrices<double> of_point{s[0] + i, block};
+      const Matrices<double> of_point{s[0] + i, points_at_once};
       if (are_below(of_point, &inv_mass, 1, omega2 * (1 + share))) continue;
       omega2 = std::max(omega2, 2 * largest_eigenvalue(s, i) * inv_mass);
     }
@@ -332,7 +331,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double min_o
 }
 
 double omega_max_bound(const Cloth& cloth) {
-  if (cloth.is_mesh()) return std::numeric_limits<double>::infinity();
+  if (cloth.is_mesh()) return infinity;
   const BendsAndDamping added{bends_omega2(cloth), cloth.internal_damping};
   return added.with(springs_bound(cloth));
 }

@@ -57,7 +57,7 @@ void interleave(const Points& points, int begin, int end, double* quads) {
 }
 
 /// The parts of a kernel's input that all its loops share. `v` is null without damping.
-struct Motion {
+struct QuadMotion {
   const Quad* x;
   const Quad* v;
 };
@@ -67,7 +67,7 @@ double dot(const Quad& a, const Quad& b) {
   return product[0] + product[1] + product[2];
 }
 
-void square_edges(const TriangleFabric& fabric, const Motion& at, int begin, int end,
+void square_edges(const TriangleFabric& fabric, const QuadMotion& at, int begin, int end,
                   double* squares) {
   for (int e = begin; e < end; ++e) {
     const auto& [a, b] = fabric.edges[static_cast<std::size_t>(e)];
@@ -92,7 +92,7 @@ void pull_triangles(const TriangleFabric& fabric, const double* squares, int beg
 /// Sums the links of points [begin, end), each of a force factor * (x_j - x_i). Where bends are
 /// `damped`, also their sums for damping.
 template <bool damped>
-[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric, const Motion& at,
+[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric, const QuadMotion& at,
                                                 int begin, int end, Scratch& scratch,
                                                 Points& forces) {
   const double* const factors = scratch.factors.data();
@@ -119,7 +119,7 @@ template <bool damped>
 }
 
 CLOTHSIM_TARGET_CLONES
-void sum_links(const TriangleFabric& fabric, const Motion& at, bool damped, int begin, int end,
+void sum_links(const TriangleFabric& fabric, const QuadMotion& at, bool damped, int begin, int end,
                Scratch& scratch, Points& forces) {
   if (damped) {
     sum_links_of<true>(fabric, at, begin, end, scratch, forces);
@@ -213,7 +213,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
   Scratch& scratch = scratch_of(fabric);
   const bool damped = velocities != nullptr && is_damped(cloth);
   const bool has_rates = damped && has_damped_bends(cloth);
-  const Motion at{quads(scratch.positions), damped ? quads(scratch.velocities) : nullptr};
+  const QuadMotion at{quads(scratch.positions), damped ? quads(scratch.velocities) : nullptr};
   const auto num_triangles = static_cast<int>(fabric.triangles.size());
 
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {

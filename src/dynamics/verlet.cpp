@@ -4,23 +4,16 @@
 #include "clothsim/dynamics/drag.h"
 #include "clothsim/dynamics/force_blocks.h"
 #include "clothsim/dynamics/triangle_forces.h"
+#include "clothsim/model/point_run.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
 namespace {
 
-/// Addresses of points in each coordinate's column.
-struct Columns {
-  Columns(Points& points, int i) : x(&points(i, 0)), y(&points(i, 1)), z(&points(i, 2)) {}
-  double* x;
-  double* y;
-  double* z;
-};
-
 /// Half a step of drift: x = from + v (1 - exp(-c t)) / c for free points, v t for pins.
 CLOTHSIM_TARGET_CLONES
-void drift(int count, double t, double distance, const double* inv_mass, Columns v, Columns from,
-           Columns to) {
+void drift(int count, double t, double distance, const double* inv_mass, PointRun v, PointRun from,
+           MutablePointRun to) {
 #pragma GCC ivdep  // `to` may be `from`, nothing else overlaps
   for (int i = 0; i < count; ++i) {
     const double way = inv_mass[i] > 0 ? distance : t;
@@ -97,8 +90,9 @@ void VelocityVerlet::step_mesh(const Cloth& cloth, const Loads& loads, double h,
   const int n = cloth.num_points();
   mesh_forces_.resize(n, 3);
   workers.parallel_for(n, [&](int begin, int end) {
-    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
-          {state.positions, begin}, {state.positions, begin});
+    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin],
+          run_from(state.velocities, begin), run_from(state.positions, begin),
+          run_from(state.positions, begin));
   });
   compute_triangle_forces(cloth, loads, state.positions, mesh_forces_, workers, &state.velocities);
   workers.parallel_for(n, [&](int begin, int end) {
@@ -137,8 +131,9 @@ void VelocityVerlet::step_by(Forces& forces, const Cloth& cloth, const Loads& lo
   forces.resize(n);
 
   workers.parallel_for(n, [&](int begin, int end) {
-    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin], {state.velocities, begin},
-          {state.positions, begin}, {middle, begin});
+    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin],
+          run_from(state.velocities, begin), run_from(state.positions, begin),
+          run_from(middle, begin));
   });
   const Points* const velocities = damped_velocities(cloth, middle, state.velocities, workers);
   workers.parallel_for(n, [&](int begin, int end) {

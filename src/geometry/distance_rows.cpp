@@ -11,7 +11,7 @@ namespace {
 
 /// Bound for parallel directions, and for the error of squared lengths: more than some ten
 /// roundings of products of the same size.
-constexpr float rounding = 16 * std::numeric_limits<float>::epsilon();
+constexpr float row_rounding = 16 * std::numeric_limits<float>::epsilon();
 constexpr float tiny = std::numeric_limits<float>::min();
 
 inline float to_unit(float t) { return smaller(larger(t, 0.0F), 1.0F); }
@@ -60,10 +60,10 @@ void DistanceRows::point_triangle(const Points& a, const Points& b, const Points
     const float on_plane = ww - (of_c * uw + of_d * vw);
     // The rounding of on_plane grows in thin triangles; there the edges bound the distance, which
     // differs from theirs by at most the triangle's height.
-    const float inside = larger(on_plane - rounding * thinness * ww, on_edges - area2 * per_uu);
-    const bool is_within = (least >= 0) & (area2 > rounding * uu * vv);
+    const float inside = larger(on_plane - row_rounding * thinness * ww, on_edges - area2 * per_uu);
+    const bool is_within = (least >= 0) & (area2 > row_rounding * uu * vv);
     const float squared = is_within ? inside : on_edges;
-    distances[k] = root(squared - rounding * (uu + vv + ww));
+    distances[k] = root(squared - row_rounding * (uu + vv + ww));
     within[k] = least;
   }
 }
@@ -75,7 +75,7 @@ void DistanceRows::point_point(const Points& a, std::size_t number, const Points
 #pragma GCC ivdep
   for (std::size_t k = 0; k < size; ++k) {
     const Vector way = at(b, k) - of_a;
-    distances[k] = root((1 - rounding) * dot(way, way));
+    distances[k] = root((1 - row_rounding) * dot(way, way));
   }
 }
 
@@ -90,13 +90,13 @@ void DistanceRows::edge_edge(const Points& a, const Points& b, const Points& c, 
     const float uu = dot(u, u) + tiny, vv = dot(v, v) + tiny, uv = dot(u, v), uw = dot(u, w),
                 vw = dot(v, w), ww = dot(w, w);
     const float area2 = uu * vv - uv * uv;
-    const bool crossing = area2 > rounding * uu * vv;
+    const bool crossing = area2 > row_rounding * uu * vv;
     const float free = crossing ? to_unit((uv * vw - uw * vv) / (area2 + tiny)) : 0.0F;
     const float t = to_unit((uv * free + vw) / vv);
     const float s = to_unit((uv * t - uw) / uu);
     const Vector way{w.x + s * u.x - t * v.x, w.y + s * u.y - t * v.y, w.z + s * u.z - t * v.z};
-    const float turn = root(crossing ? 0.0F : rounding * (uu + vv));
-    const float distance = root(dot(way, way) - rounding * (uu + vv + ww)) - turn;
+    const float turn = root(crossing ? 0.0F : row_rounding * (uu + vv));
+    const float distance = root(dot(way, way) - row_rounding * (uu + vv + ww)) - turn;
     distances[k] = larger(distance, 0.0F);
   }
 }

@@ -13,7 +13,7 @@ namespace {
 /// percent, and a collapsed triangle turns it at most ten times as fast as the triangle at rest.
 constexpr double softening_share = 0.1;
 /// A curvature below this share of its terms is 0.
-constexpr double rounding = 1e-9;
+constexpr double curvature_rounding = 1e-9;
 
 /// Index of each pair of points.
 std::map<std::array<int, 2>, int> pair_numbers(const TriangleFabric& fabric) {
@@ -50,7 +50,7 @@ void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBen
     bend.coefficients[0] += part;
   }
   const double area2 = axes.col(2).norm();
-  if (std::abs(parts[2]) * area2 < rounding * size) return;  // as the twist of a cylinder
+  if (std::abs(parts[2]) * area2 < curvature_rounding * size) return;  // as the twist of a cylinder
   bend.softening = softening_share * area2;
   bend.curvature = parts[2] * std::hypot(area2, bend.softening);
 }

@@ -18,7 +18,7 @@ namespace clothsim {
 namespace {
 
 using Flat = ClothMesh::Flat;
-using Triangle = std::array<int, 3>;
+using PointTriple = std::array<int, 3>;
 
 double cross(const Flat& a, const Flat& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -96,7 +96,7 @@ class Bends {
     if (neighbours.empty()) return;
     const Eigen::Matrix3d curvatures = by_kinks(flat, neighbours);
     const std::optional<Places> bent = mesh_.is_curved(t) ? places(t, neighbours) : std::nullopt;
-    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
     for (Eigen::Index c = 0; c < 3; ++c) {
       const double stiffness = area_of(flat) * by_area[static_cast<std::size_t>(c)];
       if (stiffness == 0) continue;
@@ -120,7 +120,7 @@ class Bends {
   /// The points across the edges, each laid into the triangle's plane by the rest shape of its own
   /// triangle: both may be in different panels.
   std::vector<Across> across(int t) const {
-    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
     const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
     std::vector<Across> all;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -129,7 +129,7 @@ class Bends {
       const auto& both = edges_[e].triangles;
       const int other = both[0] == t ? both[1] : both[0];
       if (other < 0) continue;
-      const Triangle& others = mesh_.triangles[static_cast<std::size_t>(other)];
+      const PointTriple& others = mesh_.triangles[static_cast<std::size_t>(other)];
       const std::array<Flat, 3>& there = mesh_.flat[static_cast<std::size_t>(other)];
       const auto place_of = [&](int point) {
         return static_cast<std::size_t>(std::find(others.begin(), others.end(), point) -
@@ -158,7 +158,7 @@ class Bends {
   /// The points of a bend with the lengths of the rest shape and the angles of the start; none
   /// where it is flat.
   std::optional<Places> places(int t, const std::vector<Across>& neighbours) const {
-    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
     const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
     const auto lifted = [](const Flat& x, double z) { return Vector3(x.x(), x.y(), z); };
     const double side = cross(flat[1] - flat[0], flat[2] - flat[0]) > 0 ? 1 : -1;  // of the normal
@@ -235,7 +235,7 @@ void connect(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, Triangle
     for (std::size_t side = 0; side < 2; ++side) {
       const int t = edges[e].triangles[side];
       if (t < 0) continue;
-      const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
+      const PointTriple& corners = mesh.triangles[static_cast<std::size_t>(t)];
       for (std::size_t k = 0; k < 3; ++k) {
         const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
         if (std::array<int, 2>{a, b} != edges[e].points) continue;
@@ -290,7 +290,7 @@ void add_links(int points, TriangleFabric& fabric) {
 
 void add_pieces(const ClothMesh& mesh, int points, TriangleFabric& fabric) {
   boost::disjoint_sets_with_storage<> groups(static_cast<std::size_t>(points));
-  for (const Triangle& t : mesh.triangles) {
+  for (const PointTriple& t : mesh.triangles) {
     for (const std::size_t k : {1, 2}) {
       groups.union_set(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[k]));
     }

@@ -51,8 +51,8 @@ py::list items(const py::object& given) {
 
 /// The points of a list of numbers, or of numbers, [column, row] and places as in a scene; those of
 /// the cloth of that name, if one is given.
-std::vector<int> to_points(const Run& run, const py::object& points,
-                           const std::optional<std::string>& cloth) {
+std::vector<int> points_named(const Run& run, const py::object& points,
+                              const std::optional<std::string>& cloth) {
   const py::list all = items(points);
   const bool has_places = std::any_of(all.begin(), all.end(), [](py::handle item) {
     return py::isinstance<py::dict>(item) || py::isinstance<py::list>(item) ||
@@ -73,7 +73,7 @@ std::vector<int> chosen(const Run& run, const clothsim::Pose& pose, const py::ob
     throw InvalidValue({"points"}, radius ? "points and a radius" : "nothing",
                        "points or a radius, one of the two");
   }
-  if (!radius) return to_points(run, points, cloth);
+  if (!radius) return points_named(run, points, cloth);
   if (cloth) throw InvalidValue({"cloth"}, '"' + *cloth + '"', "none without points");
   return run.simulator.free_points_near(pose.position, *radius);
 }
@@ -108,7 +108,7 @@ void detach(Simulation& simulation, const std::optional<std::string>& frame,
             const py::object& points, const std::optional<std::string>& cloth) {
   simulation.with([&](Run& run) {
     std::vector<int> free;
-    if (!points.is_none()) free = to_points(run, points, cloth);
+    if (!points.is_none()) free = points_named(run, points, cloth);
     if (points.is_none() && cloth) {
       throw InvalidValue({"cloth"}, '"' + *cloth + '"', "none without points");
     }

@@ -2,17 +2,16 @@
 
 #include <cmath>
 
-#include "clothsim/model/checks.h"
+#include "ranges.h"
 
 namespace clothsim {
 namespace {
 
-constexpr Range side{1, 8192, "pixel"};  // a size that every driver supports
+constexpr Range image_side{1, 8192, "pixel"};  // a size that every driver supports
 constexpr Range focal_length{1e-3, 1e6, "pixel"};
 constexpr Range principal_point{-1e6, 1e6, "pixel"};
 constexpr Range plane_distance{1e-6, 1e7, "m"};
 constexpr Range field_of_view{1e-3, M_PI - 1e-3, "rad"};
-constexpr Range coordinate{-1e6, 1e6, "m"};
 constexpr Range unit_part{-2, 2, ""};
 
 // Below this distance the line of sight has no direction [m].
@@ -33,8 +32,8 @@ Camera camera_with_fov(int width, int height, double horizontal_fov) {
 }
 
 Pose look_at(const Vector3& eye, const Vector3& target) {
-  check_range("eye", eye, coordinate);
-  check_range("target", target, coordinate);
+  check_range("eye", eye, coordinate_range);
+  check_range("target", target, coordinate_range);
   const Vector3 sight = target - eye;
   if (sight.norm() < shortest_sight)
     throw InvalidValue({"target"}, "the eye's own position", "another point [m]");
@@ -51,8 +50,8 @@ Pose look_at(const Vector3& eye, const Vector3& target) {
 }
 
 void validate(const Camera& c) {
-  check_range("width", c.width, side);
-  check_range("height", c.height, side);
+  check_range("width", c.width, image_side);
+  check_range("height", c.height, image_side);
   check_range("fx", c.fx, focal_length);
   check_range("fy", c.fy, focal_length);
   check_range("cx", c.cx, principal_point);
@@ -60,7 +59,7 @@ void validate(const Camera& c) {
   check_range("near", c.near, plane_distance);
   check_range("far", c.far, {c.near, plane_distance.max, "m"});
   inside("depth_noise", [&] { validate(c.depth_noise); });
-  check_range("position", c.pose.position, coordinate);
+  check_range("position", c.pose.position, coordinate_range);
   check_range("orientation", c.pose.orientation.vec(), unit_part);
   check_range("orientation", c.pose.orientation.w(), unit_part);
 }

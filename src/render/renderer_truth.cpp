@@ -1,4 +1,3 @@
-#include <limits>
 
 #include "clothsim/render/mesh.h"
 #include "renderer_impl.h"
@@ -21,8 +20,7 @@ void Renderer::Impl::set_truth(const Camera& camera, const DrawItem& item,
   program.set("id", static_cast<double>(item.id));
   program.set("ray_of_pixel", Eigen::Matrix3d(pixel_matrix(camera).inverse()));
   const bool was_there = camera_before && item.before;
-  program.set("near_before",
-              was_there ? camera_before->near : std::numeric_limits<double>::infinity());
+  program.set("near_before", was_there ? camera_before->near : infinity);
   if (!was_there) return;
   program.set("pixel_before", pixel_matrix(*camera_before));
   program.set("rotation_before", item.before->rotation);

@@ -4,17 +4,16 @@
 #include <type_traits>
 #include <utility>
 
-#include "clothsim/model/checks.h"
+#include "ranges.h"
 
 namespace clothsim {
 namespace {
 
 // Far beyond the range of an image; the bounds keep the sums in the shaders finite.
-constexpr Range channel{0, 1, ""};
 constexpr Range coefficient{0, 1e3, ""};
 constexpr Range exponent{1e-3, 1e5, ""};
 constexpr Range scaling{-1e3, 1e3, ""};
-constexpr Range height{-1e3, 1e3, "m"};
+constexpr Range displacement{-1e3, 1e3, "m"};
 constexpr Range level_count{1, 256, ""};  // 8-bit images have no more
 
 void check(const Phong& p) {
@@ -25,32 +24,32 @@ void check(const Phong& p) {
 }
 
 void check(const Wireframe& s) {
-  for (const Color& color : s.colors) check_range("colors", color, channel);
+  for (const Color& color : s.colors) check_range("colors", color, channel_range);
 }
 void check(const NormalColor&) {}
 void check(const Diffuse& s) {
-  check_range("color", s.color, channel);
+  check_range("color", s.color, channel_range);
   check_range("kd", s.kd, coefficient);
 }
 void check(const BlinnPhong& s) {
-  check_range("color", s.color, channel);
+  check_range("color", s.color, channel_range);
   check(s.phong);
 }
 void check(const Textured&) {}
 void check(const Bump& s) {
-  check_range("color", s.color, channel);
+  check_range("color", s.color, channel_range);
   check(s.phong);
-  check_range("height_scaling", s.height_scaling, height);
+  check_range("height_scaling", s.height_scaling, displacement);
   check_range("normal_scaling", s.normal_scaling, scaling);
 }
 void check(const Mirror&) {}
 void check(const PhongTexture& s) { check(s.phong); }
 void check(const Translucent& s) {
   check(s.phong);
-  check_range("alpha", s.alpha, channel);
+  check_range("alpha", s.alpha, channel_range);
 }
 void check(const Cartoon& s) {
-  check_range("color", s.color, channel);
+  check_range("color", s.color, channel_range);
   check_range("kd", s.kd, coefficient);
   check_range("levels", s.levels, level_count);
   check_range("ambient", s.ambient, coefficient);

@@ -26,13 +26,13 @@ void check_complete() {
     throw GlError("the driver has no framebuffer of the kind and size asked for");
 }
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float no_depth = std::numeric_limits<float>::infinity();
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
 const std::array<TruthFormat, std::tuple_size_v<TruthImages>> truth_formats{{
-    {GL_R32F, GL_RED, GL_FLOAT, sizeof(float), infinity},
+    {GL_R32F, GL_RED, GL_FLOAT, sizeof(float), no_depth},
     {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 0},
     {GL_RG32F, GL_RG, GL_FLOAT, 2 * sizeof(float), nan},
     {GL_RGBA32F, GL_RGB, GL_FLOAT, 3 * sizeof(float), nan},  // drivers need not draw to GL_RGB32F

@@ -14,8 +14,6 @@ namespace {
 /// Messages queued for a slow subscriber: about a second's.
 constexpr std::uint32_t bodies_queue = 100;
 
-clothsim::Vector3 to_vector(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
-
 }  // namespace
 
 BodyTopics::BodyTopics(const ros::NodeHandle& node, clothsim::Simulator& simulator,

@@ -14,7 +14,7 @@ namespace {
 
 /// Images that wait for a slow subscriber before the oldest is dropped. One of 640 x 480 with depth
 /// takes 1.2 MB.
-constexpr std::uint32_t queue = 10;
+constexpr std::uint32_t image_queue = 10;
 
 }  // namespace
 
@@ -24,14 +24,14 @@ CameraTopics::CameraTopics(const ros::NodeHandle& node, const std::string& name,
   ros::NodeHandle camera(node, name);
   const std::array<std::string, 6> names = {"color", "depth", "mask", "uv", "normals", "flow"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    topics_[i].image = transport_.advertise(names[i] + "/image_raw", queue,
+    topics_[i].image = transport_.advertise(names[i] + "/image_raw", image_queue,
                                             [subscriber_came](const auto&) { subscriber_came(); });
     topics_[i].info = camera.advertise<sensor_msgs::CameraInfo>(
-        names[i] + "/camera_info", queue,
+        names[i] + "/camera_info", image_queue,
         [subscriber_came](const ros::SingleSubscriberPublisher&) { subscriber_came(); });
   }
   visible_points_ = camera.advertise<clothsim::VisiblePoints>(
-      "visible_points", queue,
+      "visible_points", image_queue,
       [subscriber_came](const ros::SingleSubscriberPublisher&) { subscriber_came(); });
 }
 

@@ -206,6 +206,10 @@ sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera& camera,
   return msg;
 }
 
+clothsim::Vector3 to_vector(const geometry_msgs::Vector3& message) {
+  return {message.x, message.y, message.z};
+}
+
 geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3& vector) {
   return to_xyz<geometry_msgs::Vector3>(vector);
 }

@@ -21,7 +21,7 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using Wrapper = diagnostic_updater::DiagnosticStatusWrapper;
 
-constexpr std::uint32_t queue_size = 1;
+constexpr std::uint32_t diagnostics_queue = 1;
 
 /// Smallest lag of a pin or a grip that is reported [m].
 constexpr double told_lag = 1e-3;
@@ -257,7 +257,8 @@ void warn_of_lost(const NodeStatus& before, const NodeStatus& now) {
 Diagnostics::Diagnostics(ros::NodeHandle& node, const DiagnosticLimits& limits)
     : name_(node.getNamespace().substr(1)),
       limits_(limits),
-      publisher_(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", queue_size)) {}
+      publisher_(
+          node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", diagnostics_queue)) {}
 
 void Diagnostics::publish(const NodeStatus& status) {
   // Warn a second later only: the clock may be about to start.

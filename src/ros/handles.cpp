@@ -19,7 +19,7 @@ using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::InteractiveMarkerFeedback;
 
-constexpr std::uint32_t topology_queue = 1;
+constexpr std::uint32_t handles_queue = 1;
 
 /// Moving tf frames are changes, too: enough for a moment of them.
 constexpr std::uint32_t changes_queue = 1000;
@@ -63,7 +63,7 @@ std::vector<InteractiveMarkerControl> make_controls() {
 Handles::Handles(const ros::NodeHandle& cloth)
     : cloth_(cloth), others_(cloth_), server_(cloth.getNamespace() + "/handles") {
   topology_subscriber_ = cloth_.subscribe<clothsim::ClothTopology>(
-      "topology", topology_queue,
+      "topology", handles_queue,
       boost::function<void(const ros::MessageEvent<const clothsim::ClothTopology>&)>(
           [this](const auto& event) { hear_topology(event); }));
   changes_subscriber_ =

@@ -14,7 +14,7 @@
 namespace clothsim_ros {
 namespace {
 
-using Names = std::vector<std::string>;
+using NameList = std::vector<std::string>;
 
 /// Up to this many unknown names get a message each, with the probable meaning; more, as those of
 /// another program, get one line with a few names.
@@ -37,12 +37,12 @@ void add_texts(const std::string& name, XmlRpc::XmlRpcValue& value, ParameterTex
   for (auto& [key, item] : value) add_texts(name.empty() ? key : name + '/' + key, item, texts);
 }
 
-bool has(const Names& names, const std::string& name) {
+bool has(const NameList& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 /// The namespaces in names: "a" and "a/b" from "a/b/c".
-std::set<std::string> spaces_of(const Names& names) {
+std::set<std::string> spaces_of(const NameList& names) {
   std::set<std::string> spaces;
   for (const std::string& name : names) {
     for (auto end = name.find('/'); end != std::string::npos; end = name.find('/', end + 1)) {
@@ -71,10 +71,10 @@ std::string suggestion(const std::string& name, const KnownParameters& known) {
   return "; did you mean " + live + "? It starts as ~scene or ~camera has it";
 }
 
-Names messages_of_unknown(const std::string& prefix, const KnownParameters& known,
-                          const std::set<std::string>& names) {
+NameList messages_of_unknown(const std::string& prefix, const KnownParameters& known,
+                             const std::set<std::string>& names) {
   const std::string expected = ", expected one of " + clothsim::join(known.read);
-  Names messages;
+  NameList messages;
   if (names.size() > max_told) {
     std::string some;
     auto name = names.begin();
@@ -103,7 +103,7 @@ std::vector<std::string> ignored_parameters(const std::string& prefix, const Kno
                                             const ParameterTexts& given,
                                             const ParameterTexts& now) {
   const std::set<std::string> live_spaces = spaces_of(known.live);
-  Names overridden;
+  NameList overridden;
   std::set<std::string> unknown;
   for (const auto& [name, text] : given) {
     if (has(known.read, name.substr(0, name.find('/')))) continue;
@@ -115,7 +115,7 @@ std::vector<std::string> ignored_parameters(const std::string& prefix, const Kno
                            now.at(name) + " holds");
     }
   }
-  Names messages = messages_of_unknown(prefix, known, unknown);
+  NameList messages = messages_of_unknown(prefix, known, unknown);
   messages.insert(messages.end(), overridden.begin(), overridden.end());
   return messages;
 }

@@ -18,7 +18,7 @@ const ros::WallDuration silence(1);
 /// Smallest step of a stamp after rounding to double precision, fifty years on [s].
 const ros::Duration stamp_step(1e-6);
 
-constexpr std::uint32_t clock_queue = 1;
+constexpr std::uint32_t watched_clock_queue = 1;
 
 /// The master's value, as this node has the parameter remapped to use wall time itself.
 bool others_use_sim_time() {
@@ -37,7 +37,7 @@ OtherBroadcasters::OtherBroadcasters(ros::NodeHandle& node) : sim_time_(others_u
   subscribers_.listen(node, [this](const auto& event, bool is_static) { hear(event, is_static); });
   if (!sim_time_) return;
   clock_subscriber_ = node.subscribe<rosgraph_msgs::Clock>(
-      "/clock", clock_queue, [this](const auto& msg) { tick(msg->clock); });
+      "/clock", watched_clock_queue, [this](const auto& msg) { tick(msg->clock); });
 }
 
 void OtherBroadcasters::tick(const ros::Time& clock) {

@@ -24,7 +24,7 @@ constexpr const char* file_key = "scene_file";
 constexpr const char* folder_key = "scene_folder";
 
 /// Longest part of a file's name that a message repeats.
-constexpr std::size_t longest_name = 200;
+constexpr std::size_t longest_shown_name = 200;
 
 /// The text of a robot's description; a relative name is below the node's namespace.
 std::string read_description(const std::string& name) {
@@ -59,7 +59,7 @@ clothsim::Scene read(const YAML::Node& yaml, const fs::path& folder) {
 void check_ending(const fs::path& path, const std::string& name) {
   if (path.is_absolute() && (path.extension() == ".yaml" || path.extension() == ".yml")) return;
   throw InvalidValue(
-      {}, '"' + clothsim::shortened(name, longest_name) + '"',
+      {}, '"' + clothsim::shortened(name, longest_shown_name) + '"',
       "package://PACKAGE/path, file:///path or an absolute path, which ends in .yaml");
 }
 
@@ -71,9 +71,9 @@ GivenScene open_file(const std::string& name) {
     check_ending(given.file, name);
     std::error_code error;
     if (!fs::is_regular_file(given.file, error)) {
-      throw InvalidValue({},
-                         '"' + clothsim::shortened(name, longest_name) + "\", which is not there",
-                         "a scene's file");
+      throw InvalidValue(
+          {}, '"' + clothsim::shortened(name, longest_shown_name) + "\", which is not there",
+          "a scene's file");
     }
     given.yaml = clothsim::load_scene_file(given.file);
   });

@@ -25,8 +25,6 @@ Pose combined(const Pose& parent, const Pose& child) {
           (parent.orientation * child.orientation).normalized()};
 }
 
-clothsim::Vector3 to_vector(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
-
 geometry_msgs::TransformStamped to_msg(const std::string& world, const std::string& frame,
                                        const Pose& pose) {
   geometry_msgs::TransformStamped msg;

@@ -16,7 +16,7 @@ namespace {
 
 /// Time for a publisher to connect, and for transforms of 10 Hz to come; and how often to check.
 const ros::WallDuration patience(0.5);
-const ros::WallDuration poll_period(0.005);
+const ros::WallDuration lookup_period(0.005);
 
 }  // namespace
 
@@ -130,7 +130,7 @@ void TfFrame::look_up() {
 
 void TfFrame::wait_for_first() {
   const ros::SteadyTime end = ros::SteadyTime::now() + patience;
-  for (look_up(); !pose_ && ros::SteadyTime::now() < end; look_up()) poll_period.sleep();
+  for (look_up(); !pose_ && ros::SteadyTime::now() < end; look_up()) lookup_period.sleep();
 }
 
 bool TfFrame::read() {

@@ -6,7 +6,7 @@ namespace clothsim_ros {
 namespace {
 
 /// As many as tf2's own listener keeps.
-constexpr std::uint32_t queue_size = 100;
+constexpr std::uint32_t tf_input_queue = 100;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void TfSubscribers::listen(ros::NodeHandle& node, const Hear& hear) {
     const boost::function<void(const Event&)> callback = [hear, is_static](const Event& event) {
       hear(event, is_static);
     };
-    return node.subscribe<tf2_msgs::TFMessage>(topic, queue_size, callback);
+    return node.subscribe<tf2_msgs::TFMessage>(topic, tf_input_queue, callback);
   };
   moving_ = subscribe("/tf", false);
   static_ = subscribe("/tf_static", true);

@@ -33,7 +33,7 @@ namespace {
 constexpr int max_frames = 1000000;  // of ~step
 constexpr int check_silence_ms = 1000;
 constexpr int silence_ms = 5000;  // after which a node that reports once a second counts as silent
-constexpr std::uint32_t queue_size = 10;
+constexpr std::uint32_t diagnostics_queue = 10;
 constexpr std::uint32_t queue_of_changes = 1000;  // moving tf frames are changes, too
 
 const char* color_of(unsigned char level) {
@@ -77,7 +77,7 @@ ControlPanel::ControlPanel(QWidget* parent) : rviz::Panel(parent) {
   add_diagnostics(*layout);
   layout->addStretch(1);
   diagnostics_ = ros::NodeHandle().subscribe<diagnostic_msgs::DiagnosticArray>(
-      "/diagnostics", queue_size,
+      "/diagnostics", diagnostics_queue,
       [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& array) { hear(*array); });
   connect(&silence_timer_, &QTimer::timeout, this, [this] { watch_silence(); });
   silence_timer_.start(check_silence_ms);

@@ -19,7 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// distance.
 constexpr int samples = 10;
 constexpr int segments = 16;
-constexpr double margin = 0.1;
+constexpr double frame_margin = 0.1;
 
 /// How far a free upright cloth spreads from its plane as it falls, of its height.
 constexpr double spread = 0.25;
@@ -171,7 +171,7 @@ double viewing_distance(const Box& box, const Vector3& out, const Lens& lens) {
     const Vector3 way = corner(box, i) - box.center();
     const double needed =
         std::max(std::abs(across.dot(way)) / lens.across, std::abs(up.dot(way)) / lens.up);
-    distance = std::max(distance, needed * (1 + margin) + out.dot(way));
+    distance = std::max(distance, needed * (1 + frame_margin) + out.dot(way));
   }
   return distance;
 }

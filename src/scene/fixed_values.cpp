@@ -57,8 +57,8 @@ std::size_t hash_of(const ClothMesh& mesh) {
   return hash;
 }
 
-/// Lines of keys and values.
-class Lines {
+/// KeyedLines of keys and values.
+class KeyedLines {
  public:
   void add(const std::string& key, const std::string& value) { text_ += key + ": " + value + '\n'; }
   const std::string& all() const { return text_; }
@@ -67,7 +67,7 @@ class Lines {
   std::string text_;
 };
 
-void add(const ClothSpec& cloth, Lines& lines) {
+void add(const ClothSpec& cloth, KeyedLines& lines) {
   if (cloth.mesh) {
     lines.add("cloth.mesh", std::to_string(cloth.mesh->triangles.size()) + " triangles of " +
                                 std::to_string(cloth.columns) + " points, " +
@@ -106,7 +106,7 @@ void add(const ClothSpec& cloth, Lines& lines) {
   lines.add("cloth.attached", attached);
 }
 
-void add(const BodySpec& body, const std::string& key, Lines& lines) {
+void add(const BodySpec& body, const std::string& key, KeyedLines& lines) {
   lines.add(key + ".mass", text(body.mass));
   lines.add(key + ".center_of_mass", body.center_of_mass ? text(*body.center_of_mass) : "even");
   if (body.inertia) {
@@ -124,7 +124,7 @@ void add(const BodySpec& body, const std::string& key, Lines& lines) {
   lines.add(key + ".velocity", text(body.velocity) + ' ' + text(body.angular_velocity));
 }
 
-void add(const ColliderSpec& collider, Lines& lines) {
+void add(const ColliderSpec& collider, KeyedLines& lines) {
   const auto shape = [](const auto& s) {
     return std::string(std::decay_t<decltype(s)>::name) + ' ' + text(s);
   };
@@ -137,7 +137,7 @@ void add(const ColliderSpec& collider, Lines& lines) {
   if (collider.body) add(*collider.body, key, lines);
 }
 
-void add(const SimulationSpec& simulation, Lines& lines) {
+void add(const SimulationSpec& simulation, KeyedLines& lines) {
   lines.add("simulation.strain_tolerance", text(simulation.strain_tolerance));
   lines.add("simulation.tolerance", text(simulation.tolerance));
   lines.add("simulation.seed", std::to_string(simulation.seed));
@@ -157,7 +157,7 @@ void add(const SimulationSpec& simulation, Lines& lines) {
 }  // namespace
 
 std::string fixed_values(const Scene& scene) {
-  Lines lines;
+  KeyedLines lines;
   add(scene.cloth, lines);
   for (const ColliderSpec& collider : scene.colliders) add(collider, lines);
   add(scene.simulation, lines);

@@ -14,7 +14,7 @@ const char* const ways_to_name_on_mesh =
     "the number of a point, or a map with near, within and of, uv, or corner or side of a pattern";
 
 /// Points on the rim of a distance are within it [m].
-constexpr double rounding = 1e-6;
+constexpr double rim_tolerance = 1e-6;
 
 /// The first of the nearest rows.
 template <class Differences>
@@ -137,7 +137,7 @@ std::vector<int> PointReader::within(double radius, const Vector3& center) {
   std::vector<int> found;
   const Points& points = cloth().rest_positions;
   for (int i = 0; i < named_.columns * named_.rows; ++i) {
-    if ((points.row(first_ + i) - center.transpose()).norm() <= radius + rounding) {
+    if ((points.row(first_ + i) - center.transpose()).norm() <= radius + rim_tolerance) {
       found.push_back(i);
     }
   }

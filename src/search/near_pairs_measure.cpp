@@ -11,7 +11,6 @@ namespace {
 
 using Row = TileShapes::Row;
 constexpr std::size_t lanes = TileShapes::tiles;
-constexpr float infinity = TileShapes::infinity;
 constexpr auto range = static_cast<float>(TrackedPairs::range);
 
 /// Points are tracked up to this share of a triangle beside it: farther outside another one is
@@ -35,21 +34,21 @@ CLOTHSIM_TARGET_CLONES
 void judge(const TileShapes::Features& distances, const TileShapes::Features& nearest,
            float rounding, float within, Judged& judged) {
   Row to_touch, to_meet, ranges, min_gap;
-  to_touch.fill(infinity);
-  to_meet.fill(infinity);
+  to_touch.fill(TileShapes::infinity);
+  to_meet.fill(TileShapes::infinity);
   ranges.fill(range);
-  min_gap.fill(-infinity);
+  min_gap.fill(-TileShapes::infinity);
   std::array<int, lanes> near{}, meet{};
   for (std::size_t k = 0; k < Tiling::own_points; ++k) {
     // Where points are near a layer, their contacts keep it off before edges touch.
     for (std::size_t i = 0; k == Tiling::points && i < lanes; ++i) {
       ranges[i] = near[i] != 0 ? edge_range : range;
-      min_gap[i] = near[i] != 0 ? infinity : -infinity;
+      min_gap[i] = near[i] != 0 ? TileShapes::infinity : -TileShapes::infinity;
     }
     const int bit = 1 << k;
     for (std::size_t i = 0; i < lanes; ++i) {
       const float may = nearest[k][i];
-      const float distance = may < 0 ? infinity : distances[k][i] - rounding;
+      const float distance = may < 0 ? TileShapes::infinity : distances[k][i] - rounding;
       const bool is_near = distance < ranges[i] * may;
       const float gap = is_near ? (range - 1) * may : distance - may;
       to_meet[i] = smaller(to_meet[i], distance);

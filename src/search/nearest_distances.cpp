@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/geometry/box_tree.h"
 #include "clothsim/model/checks.h"
 
 namespace clothsim {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Pairs of tiles that are near each other at rest, by tile: a cell has some 60 of them where it is
 /// four times as long as the contact distance. More take gigabytes.

@@ -10,7 +10,7 @@
 namespace clothsim {
 namespace {
 
-constexpr std::size_t n = TileShapes::tiles;
+constexpr std::size_t num_tiles = TileShapes::tiles;
 
 using Row = TileShapes::Row;
 
@@ -18,10 +18,10 @@ using Row = TileShapes::Row;
 /// of the others, and of their difference from nearest. Returns whether any is marked.
 CLOTHSIM_TARGET_CLONES
 bool sort_out(const Row& distances, const float* __restrict nearest, float gap, float min_range,
-              std::array<int, n>& near, Row& rest, Row& rest_gap) {
+              std::array<int, num_tiles>& near, Row& rest, Row& rest_gap) {
   int any = 0;
 #pragma GCC ivdep
-  for (std::size_t j = 0; j < n; ++j) {
+  for (std::size_t j = 0; j < num_tiles; ++j) {
     const float distance = distances[j];
     const int is_near = distance > larger(nearest[j] + gap, min_range) ? 0 : 1;
     near[j] = is_near;
@@ -32,7 +32,7 @@ bool sort_out(const Row& distances, const float* __restrict nearest, float gap, 
   return any != 0;
 }
 
-using Numbers = std::array<int, n>;
+using Numbers = std::array<int, num_tiles>;
 
 /// Takes the corners of tiles by number: with a loop over them a fold takes 4 % longer.
 CLOTHSIM_TARGET_CLONES
@@ -42,10 +42,12 @@ void pick(const TileShapes::Corners& from, const Numbers& numbers, TileShapes::C
       const Row& row = from[corner][axis];
       Row& picked = to[corner][axis];
 #ifdef __clang__  // its shuffles need constants
-      for (std::size_t k = 0; k < n; ++k) picked[k] = row[static_cast<std::size_t>(numbers[k])];
+      for (std::size_t k = 0; k < num_tiles; ++k)
+        picked[k] = row[static_cast<std::size_t>(numbers[k])];
 #else
-      using Floats = float __attribute__((vector_size(n * sizeof(float)), aligned(4), may_alias));
-      using Ints = int __attribute__((vector_size(n * sizeof(int)), aligned(4), may_alias));
+      using Floats =
+          float __attribute__((vector_size(num_tiles * sizeof(float)), aligned(4), may_alias));
+      using Ints = int __attribute__((vector_size(num_tiles * sizeof(int)), aligned(4), may_alias));
       *reinterpret_cast<Floats*>(picked.data()) =
           __builtin_shuffle(*reinterpret_cast<const Floats*>(row.data()),
                             *reinterpret_cast<const Ints*>(numbers.data()));
@@ -66,7 +68,7 @@ TileShapes::TileShapes(std::shared_ptr<const Tiling> tiling,
 void TileShapes::update(int patch, const Points& positions) {
   const auto& tiles_of = (*patches_)[static_cast<std::size_t>(patch)].tiles;
   float farthest = 0;
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < num_tiles; ++k) {
     const auto& points = tiling_->at(tiles_of[exists(patch, k) ? k : 0]).points;
     for (std::size_t corner = 0; corner < Tiling::corners; ++corner) {
       const int point = points[corner];
@@ -91,19 +93,20 @@ float TileShapes::rounding(int patch, int other) const {
 template <typename Measure>
 void TileShapes::sort_out_near(int patch, int other, const PairValues& nearest, float gap,
                                float min_range, const Measure& measure, Near& near) const {
-  std::array<int, n> is_near;
+  std::array<int, num_tiles> is_near;
   Row distances, rest, rest_gap;
   rest.fill(infinity);
   rest_gap.fill(infinity);
   near.count = 0;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < num_tiles; ++i) {
     if (!exists(patch, i)) continue;
     measure(i, distances);
-    if (!sort_out(distances, nearest.data() + i * n, gap, min_range, is_near, rest, rest_gap)) {
+    if (!sort_out(distances, nearest.data() + i * num_tiles, gap, min_range, is_near, rest,
+                  rest_gap)) {
       continue;
     }
-    for (std::size_t j = patch == other ? i + 1 : 0; j < n; ++j) {
-      near.pairs[near.count] = static_cast<int>(i * n + j);
+    for (std::size_t j = patch == other ? i + 1 : 0; j < num_tiles; ++j) {
+      near.pairs[near.count] = static_cast<int>(i * num_tiles + j);
       near.count += is_near[j] != 0 && exists(other, j) ? 1 : 0;
     }
   }
@@ -133,10 +136,10 @@ void TileShapes::look_at_points(int patch, int other, const PairValues& nearest,
 void TileShapes::measure(int patch, int other, const int* pairs, std::size_t count,
                          Distances& found) const {
   Numbers first, second;
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < num_tiles; ++k) {
     const int pair = pairs[std::min(k, count - 1)];
-    first[k] = pair / static_cast<int>(n);
-    second[k] = pair % static_cast<int>(n);
+    first[k] = pair / static_cast<int>(num_tiles);
+    second[k] = pair % static_cast<int>(num_tiles);
   }
   std::array<Corners, 2> of;
   pick(corners_[static_cast<std::size_t>(patch)], first, of[0]);

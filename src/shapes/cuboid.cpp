@@ -81,7 +81,7 @@ Closest to_edges_and_corners(const Vector3& half, const Triangle& t, double reac
 }  // namespace
 
 std::optional<double> Cuboid::entry(const Vector3& from, const Vector3& way, double offset) const {
-  double in = 0, out = std::numeric_limits<double>::infinity();
+  double in = 0, out = infinity;
   for (int axis = 0; axis < 3; ++axis) {
     const double half = size[axis] / 2 + offset;
     if (way[axis] == 0) {

@@ -60,7 +60,7 @@ std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, co
 
 /// A bound on the signed distances of a triangle's points, from the tangents at its corners.
 double min_distance(const Triangle& t, const std::array<Distance, 3>& at) {
-  double bound = -std::numeric_limits<double>::infinity();
+  double bound = -infinity;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector3& n = at[i].normal;
     const double least = std::min({n.dot(t[0]), n.dot(t[1]), n.dot(t[2])});
@@ -200,7 +200,7 @@ FaceDistance way_out(const Cylinder& cylinder, const Triangle& t, const Vector3&
 
 std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& way,
                                       double offset) const {
-  double in = 0, out = std::numeric_limits<double>::infinity();
+  double in = 0, out = infinity;
   const auto keep_within = [&](double first, double last) {
     in = std::max(in, first);
     out = std::min(out, last);

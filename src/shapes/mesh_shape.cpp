@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/shapes/mesh_file.h"
 #include "shape_parts.h"
@@ -94,7 +93,7 @@ class ClosestFeatures {
   const Triangle& t_;
   Vector3 n_;  // unit, zero without an area
   FaceDistance nearest_;
-  FaceDistance inside_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  FaceDistance inside_{-infinity, Vector3::UnitZ(), {1, 0, 0}};
   bool is_inside_ = false;
 };
 
@@ -152,7 +151,7 @@ class ClosestToSheet {
   const Triangle& t_;
   Vector3 n_;  // unit, zero without an area
   FaceDistance nearest_;
-  FaceDistance out_{-std::numeric_limits<double>::infinity(), Vector3::UnitZ(), {1, 0, 0}};
+  FaceDistance out_{-infinity, Vector3::UnitZ(), {1, 0, 0}};
 };
 
 bool is_near(const Solid& solid, const Box& box, double most) {
@@ -187,7 +186,7 @@ double MeshShape::safe_depth() const {
 double MeshShape::bounding_radius() const { return file->solid.radius() + padding; }
 
 double MeshShape::corner_distance(double edge, double offset) const {
-  if (file->solid.is_sheet()) return std::numeric_limits<double>::infinity();
+  if (file->solid.is_sheet()) return infinity;
   return offset + file->solid.dip(edge);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace clothsim {
 
@@ -81,7 +80,7 @@ bool MovingCollider::reaches(const Eigen::AlignedBox3d& box, double margin) cons
   }
   // A plane, before and after the step: by the lowest corner of the box.
   double height[2];  // of the box's middle
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (const int end : {0, 1}) {
     const Pose& pose = end == 0 ? previous_ : pose_;
     const Vector3 normal = pose.orientation * Vector3::UnitZ();

@@ -10,8 +10,6 @@
 namespace clothsim {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Grid cells per triangle: about two along a triangle's edge, near the surface. At least enough
 /// for a box, and at most 16 MB of them.
 constexpr double cells_by_triangle = 64;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -54,7 +53,7 @@ struct Motion {
 
 /// Height from which a free cloth falls [m]: to the nearest collider.
 double fall_height(const Cloth& cloth, const std::vector<ColliderSpec>& colliders) {
-  double height = std::numeric_limits<double>::infinity();
+  double height = infinity;
   for (const ColliderSpec& collider : colliders) {
     const Pose pose = collider.pose * collider.offset;
     const Eigen::Matrix3d to_shape = pose.orientation.conjugate().toRotationMatrix();

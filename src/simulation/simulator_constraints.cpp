@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
@@ -101,7 +100,7 @@ class Stall {
   }
 
  private:
-  double least_ = std::numeric_limits<double>::infinity();
+  double least_ = infinity;
   int since_ = 0;
 };
 
@@ -287,7 +286,7 @@ void Simulator::Impl::solve(bool runs_detection, StepReport& report) {
   Pinches& pinches = collider_contacts.pinches();
   const int limit_passes = max_limit_passes();
   // Largest changes of the last passes over springs and over contacts, as displacements [m].
-  double stretching = 0, touched = std::numeric_limits<double>::infinity();
+  double stretching = 0, touched = infinity;
   int passes = 0;
   Stall stall;
   while (passes < max_passes) {

@@ -19,7 +19,7 @@
 #include "clothsim/dynamics/integrator.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::work_precision_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,7 +68,7 @@ class WorkPrecision : public ::testing::Test {
   }
   static void TearDownTestSuite() { temporary_.reset(); }
 
-  static inline std::optional<testing::TemporaryFolder> temporary_;
+  static inline std::optional<test::TemporaryFolder> temporary_;
   static inline fs::path folder_;
 };
 
@@ -210,4 +210,4 @@ TEST_F(WorkPrecision, ScriptDrawsEveryChart) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::work_precision_test

@@ -7,7 +7,7 @@
 
 #include "clothsim/model/types.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// Draws random numbers; equal seeds give equal sequences.
 class Draw {
@@ -53,4 +53,4 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

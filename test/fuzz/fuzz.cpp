@@ -10,7 +10,7 @@
 #include <iostream>
 #include <string>
 
-namespace clothsim::testing {
+namespace clothsim::test {
 namespace {
 
 struct Options {
@@ -59,12 +59,12 @@ bool has_failed() { return failures() > failures_before; }
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test
 
 int main(int argc, char** argv) {
-  using clothsim::testing::options;
+  using clothsim::test::options;
   ::testing::InitGoogleTest(&argc, argv);
-  clothsim::testing::program = argv[0];
+  clothsim::test::program = argv[0];
   CLI::App app("Attacks the simulator at random. Equal seeds attack alike.");
   app.add_option("--seed", options.seed, "of the first attack")->capture_default_str();
   app.add_option("--count", options.count, "attacks")->capture_default_str();

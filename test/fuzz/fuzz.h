@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// Default number of seeds where the command line gives none: a few seconds of work. Each fuzzer
 /// defines its own.
@@ -20,4 +20,4 @@ bool has_failed();
 /// Processor time of this program [s].
 double cpu_seconds();
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

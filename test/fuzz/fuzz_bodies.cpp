@@ -16,11 +16,11 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 8;
+const int test::usual_count = 8;
 
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double run_for = 5, held_for = 1;  // [s]
 constexpr double on_place = 1e-9;            // of joints, parts and attached points [m], [rad]

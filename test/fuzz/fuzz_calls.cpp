@@ -15,11 +15,11 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 40;
+const int test::usual_count = 40;
 
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr int max_side_points = 8;  // points along a side of a cloth
 constexpr int calls = 60;           // for each seed

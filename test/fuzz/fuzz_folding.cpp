@@ -12,11 +12,11 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 6;
+const int test::usual_count = 6;
 
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Largest stretch of a spring on which neither pins nor colliders pull.
 constexpr double max_stretch = 0.12;

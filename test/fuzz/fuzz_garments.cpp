@@ -15,11 +15,11 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 4;
+const int test::usual_count = 4;
 
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Largest depth in the floor at the end of a frame [m], where the crossing guard holds layers
 /// back: 5.2 mm in 160 scenes, a tenth of the way of the frame in which they hit it. As they lie,

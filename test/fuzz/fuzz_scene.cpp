@@ -15,11 +15,11 @@
 
 namespace clothsim {
 
-const int testing::usual_count = 40;
+const int test::usual_count = 40;
 
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Speed [m/s] that is allowed in any scene, for cloth that leaves a collider, or swings.
 constexpr double usual_speed = 10;
@@ -93,7 +93,7 @@ class SceneRun {
     visits_ +=
         1.0 * cloth().num_points() * (report_.substeps + report_.sweeps + report_.corrections);
     worst_ = std::max(worst_, report_.worst_stretch);
-    max_speed_ = std::max(max_speed_, testing::max_speed(state()));
+    max_speed_ = std::max(max_speed_, test::max_speed(state()));
     ASSERT_TRUE(state().positions.allFinite() && state().velocities.allFinite());
     check_speed();
     check_stretch();
@@ -177,7 +177,7 @@ class SceneRun {
   void check_speed() {
     const double bound = usual_speed + whip * random_.max_drive_speed() + gravity().norm() * time_ +
                          2 * worst_ * sound(random_.scene.cloth.material);
-    EXPECT_LT(testing::max_speed(state()), bound);
+    EXPECT_LT(test::max_speed(state()), bound);
   }
 
   void check_stretch() {
@@ -226,7 +226,7 @@ class SceneRun {
     const Vector3 velocity = kept * mean(cloth(), start_.velocities) + fell * gravity();
     EXPECT_LT((mean(cloth(), state().velocities) - velocity).norm(),
               momentum_share * (1 + velocity.norm()));
-    const double scale = size() * (1 + testing::max_speed(start_));
+    const double scale = size() * (1 + test::max_speed(start_));
     EXPECT_LT((spin(cloth(), state()) - kept * spin(cloth(), start_)).norm(), spin_share * scale);
   }
 

@@ -8,7 +8,7 @@
 #include "clothsim/shapes/mass_properties.h"
 #include "fuzz/draw.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 namespace {
 
 class Maker {
@@ -186,4 +186,4 @@ class Maker {
 
 BodyScene random_body_scene(std::uint64_t seed) { return Maker(seed).make(); }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

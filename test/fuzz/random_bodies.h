@@ -5,7 +5,7 @@
 
 #include "clothsim/scene/scene.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// Place of the cloth: held by its corners, on a floor or a table, or hung by an edge.
 enum class Setting { trampoline, laid, hung };
@@ -22,4 +22,4 @@ struct BodyScene {
 /// A scene of bodies on, over and under a cloth. Equal seeds give equal scenes.
 BodyScene random_body_scene(std::uint64_t seed);
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

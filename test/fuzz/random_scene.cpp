@@ -8,7 +8,7 @@
 #include "fuzz/draw.h"
 #include "meshes.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 namespace {
 
 const char* const shape_names[] = {"sphere", "plane", "capsule", "box", "cylinder", "mesh"};
@@ -305,4 +305,4 @@ bool RandomScene::may_be_pulled() const {
   return pins_part || (!pins.empty() && !colliders.empty()) || colliders.size() > 1;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -6,7 +6,7 @@
 
 #include "clothsim/scene/scene.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// Seconds with drive in a random scene, and seconds without it afterwards.
 inline constexpr double driven_for = 1;
@@ -49,4 +49,4 @@ RandomScene random_scene(std::uint64_t seed, int most = 25);
 /// The same scene with a fabric for a cloth, and with wind in half of them.
 RandomScene random_fabric_scene(std::uint64_t seed, int most = 25);
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -4,7 +4,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::camera_model_test {
 namespace {
 
 // An off-centre principal point and pixels that are not square.
@@ -74,4 +74,4 @@ TEST(Camera, EveryPointLandsOnThePixelThatImageGeometrySays) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::camera_model_test

@@ -5,7 +5,7 @@
 #include "clothsim/model/errors.h"
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::camera_test {
 namespace {
 
 TEST(Camera, FieldOfViewSpansTheImageFromEdgeToEdge) {
@@ -64,4 +64,4 @@ TEST(Camera, BadValuesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::camera_test

@@ -10,7 +10,7 @@
 #include "clothsim/render/egl_context.h"
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::context_test {
 namespace {
 
 // A sanitizer keeps freed memory; there its leak check at exit decides.
@@ -136,4 +136,4 @@ TEST(Context, OnlyWhatIsAskedForIsMade) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::context_test

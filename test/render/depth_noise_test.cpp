@@ -10,7 +10,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::depth_noise_test {
 namespace {
 
 constexpr std::size_t count = 200000;
@@ -94,4 +94,4 @@ TEST(DepthNoise, IsInTheDepthImageAlone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::depth_noise_test

@@ -8,7 +8,7 @@
 
 #include "moving.h"
 
-namespace clothsim {
+namespace clothsim::flow_test {
 namespace {
 
 Images draw_flow(const Snapshot& snapshot, const Camera& camera) {
@@ -184,4 +184,4 @@ TEST(Flow, WhatWasBehindTheCameraHasNoFlow) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::flow_test

@@ -9,7 +9,7 @@
 // A few whole pictures against those in goldens/. With CLOTHSIM_UPDATE_GOLDENS=1 in the
 // environment the pictures are written anew: look at them before they are committed.
 
-namespace clothsim {
+namespace clothsim::golden_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ TEST(Golden, BumpOverDisplacement) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::golden_test

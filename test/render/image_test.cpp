@@ -11,7 +11,7 @@
 #include "clothsim/render/gl_error.h"
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::image_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -306,4 +306,4 @@ TEST(Image, TheImagesOfThePackageCanBeRead) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::image_test

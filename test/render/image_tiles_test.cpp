@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace clothsim {
+namespace clothsim::image_tiles_test {
 namespace {
 
 std::set<int> numbers(const ImageTiles& tiles, const ImageTiles::Block& block) {
@@ -78,4 +78,4 @@ TEST(ImageTiles, OfATriangleBehindTheNearPlaneOrBesideTheImageAreNone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::image_tiles_test

@@ -11,7 +11,7 @@
 #include "says.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::picture_programs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -72,7 +72,7 @@ int film(const std::string& arguments) {
 }
 
 TEST(Film, WritesPicturesAndAVideo) {
-  const testing::TemporaryFolder folder("film");
+  const test::TemporaryFolder folder("film");
   const std::string video = (folder.path() / "out.mp4").string();
   const std::string scene = (folder.path() / "scene.yaml").string();
   std::ofstream(scene) << "cloth: {columns: 6, rows: 6}\n"
@@ -103,7 +103,7 @@ TEST(Film, WritesPicturesAndAVideo) {
 }
 
 TEST(Film, IsWholeWhenInterrupted) {
-  const testing::TemporaryFolder folder("film");
+  const test::TemporaryFolder folder("film");
   const std::string output = folder.path().string();
   const std::string video = output + "/out.mp4";
   // The signal goes to the whole group, as that of a terminal does.
@@ -136,4 +136,4 @@ TEST(Film, RefusesMistakes) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::picture_programs_test

@@ -5,7 +5,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::pixels_test {
 namespace {
 
 constexpr double depth_tolerance = 1e-4;  // [m]
@@ -380,4 +380,4 @@ TEST(Pixels, TheColourImageIsTheSameWithAndWithoutTheOthers) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::pixels_test

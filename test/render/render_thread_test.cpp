@@ -7,7 +7,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::render_thread_test {
 namespace {
 
 RenderJob job(const Snapshot& snapshot, std::function<void(const Images&)> done) {
@@ -95,4 +95,4 @@ TEST(RenderThread, EndsWithAPictureOnItsWay) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::render_thread_test

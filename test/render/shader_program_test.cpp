@@ -8,7 +8,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::shader_program_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST(ShaderProgram, FilesAreIncludedOnce) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shader_program_test

@@ -7,7 +7,7 @@
 
 // Back sides, grazing angles, degenerate triangles, meshes too coarse, values out of range.
 
-namespace clothsim {
+namespace clothsim::shading_limits_test {
 namespace {
 
 TEST(Shading, TheBackOfTheClothIsLitFromItsOwnSide) {
@@ -169,4 +169,4 @@ TEST(Shading, BadValuesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shading_limits_test

@@ -6,7 +6,7 @@
 
 // Each shader against its formula, computed in double at the surface points of the pixels.
 
-namespace clothsim {
+namespace clothsim::shading_test {
 namespace {
 
 TEST(Shading, Normal) {
@@ -229,4 +229,4 @@ TEST(Shading, WireframeDrawsTheFamiliesAskedForInTheirColours) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shading_test

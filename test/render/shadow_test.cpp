@@ -6,7 +6,7 @@
 
 #include "stage.h"
 
-namespace clothsim {
+namespace clothsim::shadow_test {
 namespace {
 
 /// White without ambient light: black in the shadow.
@@ -255,4 +255,4 @@ TEST(Shadow, EachShaderHasOne) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shadow_test

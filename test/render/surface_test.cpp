@@ -6,7 +6,7 @@
 
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::surface_test {
 namespace {
 
 /// z = 0.1 sin(6 x) cos(5 y) over the unit square.
@@ -127,4 +127,4 @@ TEST(Surface, AFoldThatCancelsTakesTheNormalOfItsLargestTriangle) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::surface_test

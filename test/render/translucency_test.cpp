@@ -10,7 +10,7 @@
 #include "clothsim/geometry/rays.h"
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::translucency_test {
 namespace {
 
 std::shared_ptr<const Image> plain_image(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
@@ -216,4 +216,4 @@ TEST(Translucency, InEachPixelTrianglesKeepTheOrderOfTheirDepths) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::translucency_test

@@ -9,7 +9,7 @@
 #include "meshes.h"
 #include "moving.h"
 
-namespace clothsim {
+namespace clothsim::truth_test {
 namespace {
 
 WantedImages everything() {
@@ -135,9 +135,9 @@ bool is_normal(const Shape& shape, const Vector3& at, const Vector3& normal, con
 TEST(Truth, NormalsOfEachShapeFaceTheCamera) {
   // From outside, and from within: planes and boxes exactly, round shapes to the accuracy of their
   // meshes.
-  for (const Shape& shape : {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}),
-                             Shape(Capsule{0.5, 0.2}), Shape(Cylinder{0.5, 0.2}),
-                             Shape(Sphere{0.3}), testing::mesh_shape(testing::step_soup(0.4))}) {
+  for (const Shape& shape :
+       {Shape(Plane{}), Shape(Cuboid{{0.3, 0.2, 0.4}}), Shape(Capsule{0.5, 0.2}),
+        Shape(Cylinder{0.5, 0.2}), Shape(Sphere{0.3}), test::mesh_shape(test::step_soup(0.4))}) {
     Snapshot snapshot;
     snapshot.colliders.resize(1);
     snapshot.colliders[0].shape = shape;
@@ -205,4 +205,4 @@ TEST(Truth, EachImageIsTheSameAloneAndWithOthers) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::truth_test

@@ -9,7 +9,7 @@
 #include "clothsim/model/grid.h"
 #include "render_fixture.h"
 
-namespace clothsim {
+namespace clothsim::tube_test {
 namespace {
 
 constexpr double thickness = 0.05;  // [m]
@@ -116,4 +116,4 @@ TEST(Tube, IsFiniteWherePointsMeetOrTurnBack) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::tube_test

@@ -18,7 +18,7 @@
 #include "says.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::view_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,7 +217,7 @@ TEST(View, CollidersMustBeThoseOfTheScene) {
 
 TEST(Resources, AreFoundBesideTheInstalledLibrary) {
   // PREFIX/lib, and Debian's PREFIX/lib/x86_64-linux-gnu.
-  const testing::TemporaryFolder prefix("installed");
+  const test::TemporaryFolder prefix("installed");
   const fs::path shaders = prefix.path() / "share/clothsim/shaders";
   const auto found_from = [&](const char* folder) {
     const fs::path library = prefix.path() / folder / "libclothsim_view.so";
@@ -247,7 +247,7 @@ TEST(View, AnImageIsReadAgainWhenItsFileHasChanged) {
 }
 
 TEST(View, ACubeMapIsReadAgainWhenOneOfItsFacesHasChanged) {
-  const testing::TemporaryFolder folder("cube");
+  const test::TemporaryFolder folder("cube");
   const auto save = [&](const char* face, std::uint8_t level) {
     save_image((folder.path() / (std::string(face) + ".png")).string(),
                {1, 1, {level, level, level}});
@@ -263,7 +263,7 @@ TEST(View, ACubeMapIsReadAgainWhenOneOfItsFacesHasChanged) {
 }
 
 TEST(View, ImagesAreKeptAsLongAsTheyAreUsed) {
-  const testing::TemporaryFolder folder("used");
+  const test::TemporaryFolder folder("used");
   const auto path = [&](const char* name) { return (folder.path() / name).string(); };
   save_image(path("a.png"), {1, 1, {1, 1, 1}});
   save_image(path("b.png"), {1, 1, {2, 2, 2}});
@@ -335,4 +335,4 @@ TEST(ContactSheet, PutsTilesInRows) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::view_test

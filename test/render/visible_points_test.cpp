@@ -9,7 +9,7 @@
 
 #include "moving.h"
 
-namespace clothsim {
+namespace clothsim::visible_points_test {
 namespace {
 
 std::vector<std::uint32_t> draw_visible(const Snapshot& snapshot, const Camera& camera) {
@@ -111,4 +111,4 @@ TEST(VisiblePoints, OfARopeAreNotHiddenByItsTube) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::visible_points_test

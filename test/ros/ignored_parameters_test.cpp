@@ -4,7 +4,7 @@
 
 #include "says.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::ignored_parameters_test {
 namespace {
 
 const KnownParameters known{{"scene", "camera", "paused", "realtime_factor"},
@@ -74,4 +74,4 @@ TEST(IgnoredParameters, LiveValuesThatTheSceneOverrides) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::ignored_parameters_test

@@ -4,7 +4,7 @@
 
 #include "clothsim/ros/jumps.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::jump_watch_test {
 namespace {
 
 constexpr double jump_speed = 15;  // [m/s]
@@ -93,4 +93,4 @@ TEST(JumpWatch, KnowsFramesOfAllLengths) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::jump_watch_test

@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace clothsim_ros {
+namespace clothsim_ros::live_values_test {
 namespace {
 
 TEST(LiveValues, AreRefusedByWhateverIsThrown) {
@@ -22,4 +22,4 @@ TEST(LiveValues, AreRefusedByWhateverIsThrown) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::live_values_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothsim_ros {
+namespace clothsim_ros::names_test {
 namespace {
 
 std::vector<clothsim::ColliderSpec> named(const std::vector<std::string>& names) {
@@ -30,4 +30,4 @@ TEST(RosNames, OfClothsStandAsTheyAreWhereTheyMay) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::names_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothsim_ros {
+namespace clothsim_ros::pacer_test {
 namespace {
 
 constexpr double frame = 0.01;  // [s]
@@ -157,4 +157,4 @@ TEST_F(PacerTest, OwnClockGoesOnByTheFrames) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::pacer_test

@@ -18,7 +18,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace clothsim_ros {
+namespace clothsim_ros::parameters_test {
 namespace {
 
 XmlRpc::XmlRpcValue make_map(int keys) {
@@ -45,4 +45,4 @@ TEST(Parameters, MapsAreReadInLinearTime) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::parameters_test

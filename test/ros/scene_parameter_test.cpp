@@ -8,7 +8,7 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "says.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::scene_parameter_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -80,4 +80,4 @@ TEST(SceneParameter, PackagesAreFound) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::scene_parameter_test

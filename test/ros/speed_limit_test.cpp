@@ -6,7 +6,7 @@
 
 #include "clothsim/ros/jumps.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::speed_limit_test {
 namespace {
 
 using clothsim::Pose;
@@ -50,4 +50,4 @@ TEST(SpeedLimit, BoundsWhatATurnDoesToTheFarthestPoint) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::speed_limit_test

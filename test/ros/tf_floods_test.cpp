@@ -8,7 +8,7 @@
 // Messages of a hundred thousand transforms: tf2 gets only as many as it takes in constant time,
 // and the log only one line.
 
-namespace clothsim_ros {
+namespace clothsim_ros::tf_floods_test {
 namespace {
 
 constexpr int many = 100000;
@@ -72,4 +72,4 @@ TEST(TfFloods, OneLineOfWhatTf2Refuses) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::tf_floods_test

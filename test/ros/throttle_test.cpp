@@ -2,7 +2,7 @@
 
 #include "clothsim/ros/rates.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::throttle_test {
 namespace {
 
 TEST(Throttle, LetsTheFirstThroughAndThenOneAPeriod) {
@@ -22,4 +22,4 @@ TEST(Throttle, LetsTheFirstThroughAndThenOneAPeriod) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::throttle_test

@@ -7,7 +7,7 @@
 
 #include "clothsim/ros/time_shares.h"
 
-namespace clothsim_ros {
+namespace clothsim_ros::timed_callbacks_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -70,4 +70,4 @@ TEST_F(Served, ForgetsThoseOfAnOwnerThatGoes) {
 }
 
 }  // namespace
-}  // namespace clothsim_ros
+}  // namespace clothsim_ros::timed_callbacks_test

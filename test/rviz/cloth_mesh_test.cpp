@@ -13,7 +13,7 @@
 #include "rviz/color_map.h"
 #include "says.h"
 
-namespace clothsim_rviz {
+namespace clothsim_rviz::cloth_mesh_test {
 namespace {
 
 using clothsim::says;
@@ -186,4 +186,4 @@ TEST(ColorMap, IsThePapers) {
 }
 
 }  // namespace
-}  // namespace clothsim_rviz
+}  // namespace clothsim_rviz::cloth_mesh_test

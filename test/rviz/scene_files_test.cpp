@@ -5,7 +5,7 @@
 
 #include "clothsim/ros/scene_parameter.h"
 
-namespace clothsim_rviz {
+namespace clothsim_rviz::scene_files_test {
 namespace {
 
 TEST(SceneFiles, TheFileOfAScene) {
@@ -20,4 +20,4 @@ TEST(SceneFiles, TheFileOfAScene) {
 }
 
 }  // namespace
-}  // namespace clothsim_rviz
+}  // namespace clothsim_rviz::scene_files_test

@@ -8,7 +8,7 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 
-namespace clothsim_rviz {
+namespace clothsim_rviz::stage_test {
 namespace {
 
 using clothsim::Vector3;
@@ -91,4 +91,4 @@ TEST(Stage, ABoxFillsThePicture) {
 }
 
 }  // namespace
-}  // namespace clothsim_rviz
+}  // namespace clothsim_rviz::stage_test

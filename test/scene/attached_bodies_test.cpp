@@ -5,10 +5,10 @@
 #include "bodies.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::attached_bodies_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A strip of cloth whose lower edge is attached to a box of this mass [kg].
 Scene hanging(double mass, bool is_pinned = true) {
@@ -276,4 +276,4 @@ TEST(HeldBodies, RingsFollowTheOneThatAHandDraws) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::attached_bodies_test

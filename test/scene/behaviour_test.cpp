@@ -9,10 +9,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::behaviour_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Scene with(const std::string& name, double ks, double density = 150) {
   Scene scene = shipped_scene(name);
@@ -238,4 +238,4 @@ TEST(Wireframe, ShearSpringsKeepTheCornersSquare) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::behaviour_test

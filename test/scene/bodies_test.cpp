@@ -8,10 +8,10 @@
 #include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::bodies_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A level cloth about the origin, at this height [m].
 Scene level(int side, double width, double height, double density = 0.3, double ks = 300) {
@@ -397,4 +397,4 @@ TEST(Bodies, ArePutWhereTheyAreAsked) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::bodies_test

@@ -10,10 +10,10 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::cloths_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Points part_of(const Simulator& simulator, std::size_t i) {
   const ClothPart& part = simulator.scene().cloth.parts[i];
@@ -353,4 +353,4 @@ TEST(Cloths, AutoTakesTheMethodOfTheLargest) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::cloths_test

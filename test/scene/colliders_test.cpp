@@ -7,10 +7,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::colliders_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Pose pose_at(const Vector3& position, const Vector3& turn = Vector3::Zero()) {
   const double angle = turn.norm();
@@ -384,4 +384,4 @@ TEST(Colliders, PointsThatStandBetweenTwoHaveNoVelocity) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::colliders_test

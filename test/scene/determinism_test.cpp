@@ -3,10 +3,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::determinism_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 class Bits : public ::testing::TestWithParam<const char*> {};
 
@@ -53,4 +53,4 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Bits,
                                            "self_collision"));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::determinism_test

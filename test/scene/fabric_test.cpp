@@ -7,10 +7,10 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A towel that hangs by two corners.
 Scene hanging_towel(int side = 12) {
@@ -329,4 +329,4 @@ TEST(FabricScene, AFlagFlapsAsFastAsTheWind) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_test

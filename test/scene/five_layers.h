@@ -8,7 +8,7 @@
 #include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 inline constexpr int cells_a_layer = 5;
 
@@ -59,4 +59,4 @@ inline std::vector<double> distances_of_layers(const Simulator& simulator) {
   return distances;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

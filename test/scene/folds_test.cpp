@@ -10,10 +10,10 @@
 #include "five_layers.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::folds_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Scene pile_of(double ks, double density) {
   Scene scene = shipped_scene("self_collision");
@@ -133,4 +133,4 @@ TEST(SelfCollision, LayersLieTwiceTheThicknessApart) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::folds_test

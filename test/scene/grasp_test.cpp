@@ -8,10 +8,10 @@
 #include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::grasp_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double side = 0.24;    // of the cloth [m]
 constexpr double rod = 0.005;    // radius of the rod below the ridge [m]
@@ -262,4 +262,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, Grasp, ::testing::ValuesIn(cases),
                          [](const auto& c) { return std::string(c.param.name); });
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::grasp_test

@@ -8,7 +8,7 @@
 #include "verification/energy_account.h"
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// A cloth held by two corners.
 inline Scene hanging(int side = 20) {
@@ -65,4 +65,4 @@ inline void expect_rest(const Simulator& simulator, double rms) {
   EXPECT_LT(worst_stretch(simulator.cloth(), simulator.state().positions), 0.105);
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

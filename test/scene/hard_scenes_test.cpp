@@ -17,10 +17,10 @@
 #include "hanging.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::hard_scenes_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Pose ball_at(double y) { return {Vector3(0.5, y, 0.5), Eigen::Quaterniond::Identity()}; }
 
@@ -420,4 +420,4 @@ TEST(HardScene, RealFabric) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::hard_scenes_test

@@ -6,10 +6,10 @@
 #include "clothsim/model/errors.h"
 #include "hanging.h"
 
-namespace clothsim {
+namespace clothsim::hostile_states_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 struct Hostile {
   const char* name;
@@ -101,4 +101,4 @@ TEST(HostileStates, CalmOnesAreFollowedThroughAShock) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::hostile_states_test

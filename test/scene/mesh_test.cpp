@@ -7,10 +7,10 @@
 #include "clothsim/run/motion_player.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::mesh_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A cotton of 0.3 m hung by two corners, with drag to come to rest.
 Scene hung(const ClothSpec& cloth) {
@@ -283,4 +283,4 @@ TEST(Mesh, OneLegOfTrousersIsFoldedOverTheOther) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::mesh_test

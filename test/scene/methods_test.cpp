@@ -4,10 +4,10 @@
 #include "clothsim/dynamics/stretch.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::methods_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 struct Run {
   std::string scene;
@@ -107,4 +107,4 @@ TEST(ManyMethods, GiveOneRestShape) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::methods_test

@@ -7,10 +7,10 @@
 #include "hanging.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::overpulled_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 bool yields(const StepReport& report) { return report.reasons.has(Reason::limit_yields); }
 
@@ -260,4 +260,4 @@ TEST(Overpulled, ARodDoesNotPassThroughStretchedCells) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::overpulled_test

@@ -9,10 +9,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::pinch_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr int side = 25;
 
@@ -311,4 +311,4 @@ TEST_P(Thumb, DragsTheClothByTheShareOfItsFriction) {
 INSTANTIATE_TEST_SUITE_P(Frictions, Thumb, ::testing::Values(0.1, 0.5, 2.0));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::pinch_test

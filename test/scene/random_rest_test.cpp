@@ -8,10 +8,10 @@
 #include "fuzz/random_scene.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::random_rest_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Plays a random scene until nothing has been driven for ten seconds.
 void play(const RandomScene& random, Simulator& simulator) {
@@ -93,4 +93,4 @@ TEST(RandomRest, ComesInMostScenesWithTheirOwnDamping) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::random_rest_test

@@ -12,10 +12,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::rest_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Work of a run: passes over strain limit and contact a substep, processor time a second.
 struct Work {
@@ -433,4 +433,4 @@ TEST_P(SelfCollision, RestsInSeparateLayers) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SelfCollision, ::testing::Range(1, 6));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::rest_test

@@ -12,10 +12,10 @@
 #include "five_layers.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::self_contact_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A cloth of 25 x 25 points, 4 cm apart, so that points alone would let layers pass.
 Scene pile() {
@@ -446,4 +446,4 @@ INSTANTIATE_TEST_SUITE_P(FramesAndSubsteps, LandingLayers,
                                             ::testing::Values(20, 40)));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::self_contact_test

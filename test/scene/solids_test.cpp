@@ -7,10 +7,10 @@
 #include "meshes.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::solids_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Depth in the solid of the deepest of all points of the triangles on a lattice [m]; negative
 /// where they are outside. Triangles farther away than their size are left out.
@@ -248,4 +248,4 @@ INSTANTIATE_TEST_SUITE_P(Shapes, DroppedOn, ::testing::ValuesIn(drops),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::solids_test

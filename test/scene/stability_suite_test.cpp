@@ -6,10 +6,10 @@
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::stability_suite_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 // ---- Step ladder: half to fifty times Verlet's limit, by every method
 
@@ -198,4 +198,4 @@ TEST(Recovery, WhereNothingHelpsItEndsWithATypedError) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::stability_suite_test

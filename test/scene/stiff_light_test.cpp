@@ -6,10 +6,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::stiff_light_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A towel that falls from upright: 0.5 m, 0.3 kg/m^2.
 Scene towel(int side, double thickness) {
@@ -139,4 +139,4 @@ INSTANTIATE_TEST_SUITE_P(Gusts, BlownAgainstABall,
                                             ::testing::Values(0.006, 0.02, 0.045)));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::stiff_light_test

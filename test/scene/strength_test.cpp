@@ -7,10 +7,10 @@
 #include "hanging.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::strength_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double width = 0.4;  // [m]
 constexpr int side = 25;
@@ -163,4 +163,4 @@ TEST(Strength, FingersThatCloseOnHeldPointsFlingNothing) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::strength_test

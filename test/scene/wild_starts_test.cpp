@@ -2,10 +2,10 @@
 
 #include "hanging.h"
 
-namespace clothsim {
+namespace clothsim::wild_starts_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// The hanging cloth at rest, then with its free points moved by `put`, at rest there; checked 8 s
 /// later.
@@ -62,4 +62,4 @@ TEST(WildStart, PairsInOnePlace) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::wild_starts_test

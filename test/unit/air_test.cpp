@@ -4,10 +4,10 @@
 
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::air_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// The same forces, triangle by triangle.
 Points plain_forces(const Cloth& cloth, const std::array<double, 2>& drag, const Vector3& wind,
@@ -111,4 +111,4 @@ TEST(Air, LetsAFallingSheetReachItsTerminalVelocity) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::air_test

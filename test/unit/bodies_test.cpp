@@ -7,10 +7,10 @@
 #include "clothsim/constraints/local_cloth.h"
 #include "meshes.h"
 
-namespace clothsim {
+namespace clothsim::bodies_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A plane through the origin that falls towards +x at this angle [rad].
 ColliderSpec slope(double angle, double friction = 0.4) {
@@ -247,4 +247,4 @@ TEST(BodyCollisions, GapsAreThoseOfTheShapes) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::bodies_test

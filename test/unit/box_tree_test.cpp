@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace clothsim {
+namespace clothsim::box_tree_test {
 namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
@@ -77,4 +77,4 @@ TEST(BoxTree, TakesBoxesThatAreAllAlike) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::box_tree_test

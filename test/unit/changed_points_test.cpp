@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace clothsim {
+namespace clothsim::changed_points_test {
 namespace {
 
 TEST(ChangedPoints, AreThoseThatChangedByMoreThanIsAsked) {
@@ -42,4 +42,4 @@ TEST(ChangedPoints, AreThoseMarkedOnce) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::changed_points_test

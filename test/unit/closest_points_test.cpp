@@ -2,10 +2,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::closest_points_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 using Corners = std::array<Vector3, 3>;
 
@@ -83,4 +83,4 @@ TEST(ClosestPoints, WeightsAreExactlyZeroOffACornerOrAnEdge) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::closest_points_test

@@ -10,7 +10,7 @@
 #include "scene_text.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::cloth_mesh_yaml_test {
 namespace {
 
 class ClothMeshYaml : public ::testing::Test {
@@ -38,7 +38,7 @@ class ClothMeshYaml : public ::testing::Test {
     return "accepted";
   }
 
-  testing::TemporaryFolder folder_{"cloth_mesh"};
+  test::TemporaryFolder folder_{"cloth_mesh"};
 };
 
 TEST_F(ClothMeshYaml, IsPlacedAndScaled) {
@@ -159,4 +159,4 @@ TEST_F(ClothMeshYaml, RefusesBrokenFiles) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::cloth_mesh_yaml_test

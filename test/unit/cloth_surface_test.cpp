@@ -11,7 +11,7 @@
 #include "says.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::cloth_surface_test {
 namespace {
 
 const Vector3 along_x(1, 0, 0);
@@ -142,7 +142,7 @@ TEST(ClothSurface, RefusesASurfaceWithOneSide) {
 }
 
 TEST(ClothSurface, ReadsFiles) {
-  const testing::TemporaryFolder folder("mesh");
+  const test::TemporaryFolder folder("mesh");
   const auto path = folder.path() / "square.obj";
   std::ofstream(path) << "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
                          "f 1/1 2/2 3/3 4/4\n";
@@ -155,4 +155,4 @@ TEST(ClothSurface, ReadsFiles) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::cloth_surface_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::cloth_watch_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(ClothWatch, NoticesWhateverAMethodKeeps) {
   const Cloth cloth = make_grid(square_spec(4));
@@ -49,4 +49,4 @@ TEST(ClothWatch, DoesNotMindWhatMovesNoPoint) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::cloth_watch_test

@@ -7,7 +7,7 @@
 #include "says.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::cloths_yaml_test {
 namespace {
 
 constexpr const char* a_grid = "fabric: felt, width: 0.2, height: 0.2, columns: 5, rows: 5";
@@ -172,4 +172,4 @@ TEST(Cloths, AWrongLiveValueOfOneIsRefusedByItsName) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::cloths_yaml_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::collider_contacts_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double displacement_factor = 0.5;
 constexpr double h = 1e-3;
@@ -363,4 +363,4 @@ TEST(ColliderContacts, ResetForgetsTheImpulses) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::collider_contacts_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace clothsim {
+namespace clothsim::contact_coupling_test {
 namespace {
 
 /// A point at rest on the ground, under a body that comes down.
@@ -113,4 +113,4 @@ TEST(ContactCoupling, LetsABodyGo) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::contact_coupling_test

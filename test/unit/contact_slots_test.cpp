@@ -2,10 +2,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::contact_slots_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double h = 1e-3;                   // [s]
 constexpr double displacement_factor = 0.5;  // of a step
@@ -219,4 +219,4 @@ TEST(ContactSlots, ImpulsesOfContactsThatEndAreDropped) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::contact_slots_test

@@ -6,10 +6,10 @@
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::crossing_guard_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double displacement_factor = 0.5;
 constexpr double h = 1e-3;
@@ -181,4 +181,4 @@ TEST(CrossingGuard, HoldsNothingBackThatMovesTogether) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::crossing_guard_test

@@ -9,7 +9,7 @@
 #include "says.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::doubts_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -95,4 +95,4 @@ TEST(Doubts, ClothThatStartsInACollider) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::doubts_test

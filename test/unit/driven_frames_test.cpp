@@ -6,11 +6,11 @@
 
 #include "state_testing.h"
 
-namespace clothsim {
+namespace clothsim::driven_frames_test {
 namespace {
 
-using testing::busy;
-using testing::expect_same;
+using test::busy;
+using test::expect_same;
 
 /// A ball, a box and a pin that follow frames.
 Scene followers() {
@@ -173,4 +173,4 @@ TEST(DrivenFrames, NamesWhatIsFollowed) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::driven_frames_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::energy_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Three masses of 1 kg in a row along y, 1 m apart, k = 8 N/m, the first pinned.
 Cloth three_masses() {
@@ -52,4 +52,4 @@ TEST(Energy, RmsVelocityIsOverAllPoints) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::energy_test

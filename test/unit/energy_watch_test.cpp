@@ -6,10 +6,10 @@
 #include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::energy_watch_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 const Vector3 gravity(0, 0, -9.8);
 constexpr double dt = 1.0 / 90;
@@ -192,4 +192,4 @@ TEST(EnergyWatch, WhatIsNotFiniteIsNotPlausible) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::energy_watch_test

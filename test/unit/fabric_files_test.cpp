@@ -9,11 +9,11 @@
 #include "temporary_folder.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_files_test {
 namespace {
 
-using testing::run;
-using testing::TemporaryFolder;
+using test::run;
+using test::TemporaryFolder;
 
 constexpr const char* good_fabric = R"(
 source: a test
@@ -127,4 +127,4 @@ TEST(FabricFiles, PathsBeginAtTheFolderOfTheScene) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_files_test

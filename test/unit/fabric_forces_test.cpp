@@ -9,10 +9,10 @@
 #include "unit/plain_rotation.h"
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_forces_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, const Points& v) {
   Points forces = cloth.mass * loads.gravity.transpose();
@@ -205,4 +205,4 @@ TEST(FabricForces, OfAFlatClothAtRestAreItsWeightAlone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_forces_test

@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-namespace clothsim {
+namespace clothsim::face_distance_test {
 namespace {
 
 const Shape solids[] = {Sphere{0.3},
@@ -270,4 +270,4 @@ TEST(FaceDistance, FacesOfABoxBoundCornersAndItsEdgesEdges) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::face_distance_test

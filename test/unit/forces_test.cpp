@@ -5,10 +5,10 @@
 #include "clothsim/dynamics/springs.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::forces_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// The same forces, spring by spring.
 Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x) {
@@ -197,4 +197,4 @@ TEST(Forces, ClothAtRestFeelsItsWeightAlone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::forces_test

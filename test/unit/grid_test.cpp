@@ -9,7 +9,7 @@
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/errors.h"
 
-namespace clothsim {
+namespace clothsim::grid_test {
 namespace {
 
 ClothSpec small_spec() {
@@ -179,4 +179,4 @@ TEST(Grid, ChoosesHowItIsKeptOffItself) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::grid_test

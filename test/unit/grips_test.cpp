@@ -9,10 +9,10 @@
 #include "says.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::grips_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double g = 9.8;  // [m/s^2]
 
@@ -304,4 +304,4 @@ TEST(Grips, RefuseAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::grips_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace clothsim {
+namespace clothsim::hessian_test {
 namespace {
 
 constexpr double k = 700;
@@ -72,4 +72,4 @@ TEST(SpringHessian, IsZeroWhereTheSpringHasNoDirection) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::hessian_test

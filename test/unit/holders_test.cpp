@@ -10,10 +10,10 @@
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::holders_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double g = 9.8;  // [m/s^2]
 
@@ -213,4 +213,4 @@ TEST(Holders, ReadTheirStrengthFromAScene) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::holders_test

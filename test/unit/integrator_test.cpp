@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::integrator_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(Integrator, NamesAreThoseOfTheMethods) {
   const std::vector<std::string> names = method_names();
@@ -120,4 +120,4 @@ TYPED_TEST(EachIntegrator, TakesClothsOfOtherSizesInTurn) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::integrator_test

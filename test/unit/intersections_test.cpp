@@ -15,7 +15,7 @@
 #include "clothsim/geometry/orientation.h"
 #include "clothsim/model/grid.h"
 
-namespace clothsim {
+namespace clothsim::intersections_test {
 namespace {
 
 // ---- One pair -----------------------------------------------------------------------------------
@@ -89,7 +89,7 @@ class Oracle {
 
   static bool cross(const IntegerTriangle& s, const IntegerTriangle& t) {
     const Integers n = normal(s), m = normal(t);
-    const Integers line = clothsim::cross(n, m);
+    const Integers line = intersections_test::cross(n, m);
     const auto [s_begin, s_end, s_cut] = cut(s, t[0], m, line);
     const auto [t_begin, t_end, t_cut] = cut(t, s[0], n, line);
     return s_cut && t_cut && s_begin < t_end && t_begin < s_end;
@@ -108,7 +108,7 @@ class Oracle {
   };
 
   static Integers normal(const IntegerTriangle& t) {
-    return clothsim::cross(minus(t[1], t[0]), minus(t[2], t[0]));
+    return intersections_test::cross(minus(t[1], t[0]), minus(t[2], t[0]));
   }
 
   static Interval cut(const IntegerTriangle& t, const Integers& origin, const Integers& plane,
@@ -343,4 +343,4 @@ TEST(FindIntersections, ListsPairsThatShareNoPoint) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::intersections_test

@@ -11,10 +11,10 @@
 #include "says.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::join_cloths_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A grid of 4 x 3 points, and beside it a stiffer and heavier mesh of 5 x 4.
 std::vector<NamedCloth> two_cloths() {
@@ -273,4 +273,4 @@ TEST(JoinCloths, AClothMayChangeAlone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::join_cloths_test

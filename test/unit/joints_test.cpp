@@ -7,10 +7,10 @@
 #include "bodies.h"
 #include "clothsim/constraints/local_cloth.h"
 
-namespace clothsim {
+namespace clothsim::joints_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A box whose centre is 0.5 m from a hinge along y at (0, 0, 1), at this angle from hanging.
 ColliderSpec pendulum(double angle) {
@@ -223,4 +223,4 @@ TEST(Parts, HaveTheMassOfTheirBody) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::joints_test

@@ -8,10 +8,10 @@
 #include "says.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::live_contact_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Changes values as a user writes them.
 void set(Simulator& simulator, const std::string& yaml) {
@@ -155,4 +155,4 @@ TEST(LiveContact, MotionsChangeAllLiveValuesButTheRateOfFrames) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::live_contact_test

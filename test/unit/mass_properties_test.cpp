@@ -7,10 +7,10 @@
 #include "clothsim/shapes/mesh_file.h"
 #include "meshes.h"
 
-namespace clothsim {
+namespace clothsim::mass_properties_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// The mass properties of the points of a lattice within a shape: those of the shape up to the
 /// spacing.
@@ -73,4 +73,4 @@ TEST(MassProperties, AreNoneWithoutAVolume) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::mass_properties_test

@@ -9,11 +9,11 @@
 #include "meshes.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::mesh_file_test {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace testing;
+using namespace test;
 
 const Vector3 unit(1, 1, 1);
 
@@ -158,4 +158,4 @@ TEST(MeshFile, WithShellsThatOverlapIsSeveralSolids) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::mesh_file_test

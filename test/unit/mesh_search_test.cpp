@@ -6,10 +6,10 @@
 
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::mesh_search_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double pi = 3.14159265358979323846;
 
@@ -363,4 +363,4 @@ TEST(SurfaceMesh, RefusesWhatIsNoTriangle) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::mesh_search_test

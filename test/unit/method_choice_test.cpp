@@ -6,10 +6,10 @@
 #include "clothsim/simulation/substeps.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::method_choice_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 MethodChoice choice(const Scene& scene) {
   return choose_method(scene.simulation, make_grid(scene.cloth), scene.colliders);
@@ -455,4 +455,4 @@ TEST(MethodChoice, PredictedErrorIsTheMeasuredOneWithinAFactorOfThree) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::method_choice_test

@@ -10,10 +10,10 @@
 #include "state_testing.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::motion_player_test {
 namespace {
 
-using testing::expect_same;
+using test::expect_same;
 
 constexpr const char* base = R"(
 cloth: {columns: 8, rows: 8, pinned: [{point: [0, 0], frame: hand}]}
@@ -107,7 +107,7 @@ TEST(MotionPlayer, EventsComeInTheirFrames) {
 }
 
 TEST(MotionPlayer, ReadsFiles) {
-  const testing::TemporaryFolder folder("motions");
+  const test::TemporaryFolder folder("motions");
   std::ofstream(folder.path() / "a.csv") << "time,x,y,z\n0,0.5,0.5,0.7\r\n0.1,0.5,0.5,0.8\n";
   std::ofstream(folder.path() / "turned.csv")
       << "time,x,y,z,qx,qy,qz,qw\n0,0.5,0.5,0.7,0,0,0,1\n0.1,0.5,0.5,0.8,0,0,2,2\n";
@@ -129,7 +129,7 @@ TEST(MotionPlayer, ReadsFiles) {
 }
 
 TEST(MotionPlayer, RefusesFiles) {
-  const testing::TemporaryFolder folder("motions");
+  const test::TemporaryFolder folder("motions");
   const auto refused_file = [&](const std::string& name, const std::string& text) {
     std::ofstream(folder.path() / name) << text;
     return refused_when_played("[{file: " + name + ", frame: ball}]", 1, folder.path());
@@ -184,4 +184,4 @@ TEST(MotionPlayer, RefusesEntries) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::motion_player_test

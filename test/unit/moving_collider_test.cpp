@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace clothsim {
+namespace clothsim::moving_collider_test {
 namespace {
 
 Pose pose(const Vector3& position, double angle, const Vector3& axis) {
@@ -139,4 +139,4 @@ TEST(MovingCollider, ReachesWhatItsShapeMayHaveTouchedOnItsWay) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::moving_collider_test

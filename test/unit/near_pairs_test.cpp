@@ -4,10 +4,10 @@
 
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::near_pairs_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double pi = 3.14159265358979323846;
 
@@ -325,4 +325,4 @@ TEST(NearPairs, HaveKeysThatAscendAndForgetWhatCameBefore) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::near_pairs_test

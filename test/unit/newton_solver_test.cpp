@@ -10,10 +10,10 @@
 #include "clothsim/dynamics/spring_system.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::newton_solver_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 ClothSpec pinned_spec(int columns, int rows) {
   ClothSpec spec = square_spec(columns);
@@ -175,4 +175,4 @@ TEST(NewtonSolver, SaysNotANumberWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::newton_solver_test

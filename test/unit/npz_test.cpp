@@ -11,7 +11,7 @@
 #include "clothsim/model/errors.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::npz_test {
 namespace {
 
 class Npz : public ::testing::Test {
@@ -39,7 +39,7 @@ class Npz : public ::testing::Test {
     return "accepted";
   }
 
-  const testing::TemporaryFolder folder_{"npz"};
+  const test::TemporaryFolder folder_{"npz"};
 };
 
 TEST_F(Npz, ReadsBackTheSameBits) {
@@ -112,4 +112,4 @@ TEST_F(Npz, IsWholeOrNotThere) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::npz_test

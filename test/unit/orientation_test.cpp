@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace clothsim {
+namespace clothsim::orientation_test {
 namespace {
 
 using Points4 = std::array<Vector3, 4>;
@@ -130,4 +130,4 @@ TEST(Orientation, KnowsAPlaneToTheLastBitAtEveryMagnitude) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::orientation_test

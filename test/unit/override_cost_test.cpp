@@ -27,7 +27,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* place) noexcept { std::free(place); }
 void operator delete(void* place, std::size_t) noexcept { std::free(place); }
 
-namespace clothsim {
+namespace clothsim::override_cost_test {
 namespace {
 
 /// Allocations to change `options` of `pins` pins.
@@ -53,4 +53,4 @@ TEST(OverrideCost, GrowsWithTheSceneAndTheOptionsNotWithTheirProduct) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::override_cost_test

@@ -13,7 +13,7 @@
 #include "clothsim/model/errors.h"
 #include "says.h"
 
-namespace clothsim {
+namespace clothsim::panel_test {
 namespace {
 
 /// Twice the area of a triangle; positive if anticlockwise.
@@ -323,4 +323,4 @@ TEST(Pattern, ThreadsRunAlongTheWarpOfEachPanel) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::panel_test

@@ -4,10 +4,10 @@
 
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::patches_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// At no time on straight paths has the distance between points on two patches shrunk by more than
 /// the bound, which is `most` at most.
@@ -81,4 +81,4 @@ TEST(PatchMotions, BoundItWhereAPatchIsSqueezedToALineAndToAPoint) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::patches_test

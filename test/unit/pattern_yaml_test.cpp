@@ -7,7 +7,7 @@
 #include "says.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::pattern_yaml_test {
 namespace {
 
 constexpr const char* square = "outline: [[0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]]";
@@ -130,4 +130,4 @@ TEST(PatternYaml, MistakesSayWhere) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::pattern_yaml_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::pinches_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double h = 0.01;  // [s]
 
@@ -264,4 +264,4 @@ TEST(Pinches, PinsAndPointsThatAreHeldAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::pinches_test

@@ -11,7 +11,7 @@
 
 // Forces of a cloth anywhere near its rest shape, and plain twins of gradients and frequencies.
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// The cloth's points moved at random by up to `most` [m].
 inline Points moved(const Cloth& cloth, double most, unsigned seed = 3) {
@@ -68,4 +68,4 @@ inline double exact_omega(const Cloth& cloth, const Points& at) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -6,7 +6,7 @@
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// The rotation [rad/s] of remove_rotation() for a cloth of one piece, by least squares over its
 /// stencils.
@@ -30,4 +30,4 @@ inline Vector3 plain_rotation(const Cloth& cloth, const Points& x, const Points&
   return turning.colPivHouseholderQr().solve(rates);
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

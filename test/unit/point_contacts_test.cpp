@@ -2,10 +2,10 @@
 #include "clothsim/constraints/self_contacts.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::point_contacts_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double displacement_factor = 0.5;
 const Workers alone;
@@ -172,4 +172,4 @@ TEST(PointContacts, ResetForgetsEverything) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::point_contacts_test

@@ -5,7 +5,7 @@
 #include "clothsim/model/grid.h"
 #include "clothsim/scene/scene_yaml.h"
 
-namespace clothsim {
+namespace clothsim::points_yaml_test {
 namespace {
 
 using GridPoints = std::vector<std::array<int, 2>>;
@@ -96,4 +96,4 @@ TEST(PointsByPlace, AreRefusedWithTheCloth) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::points_yaml_test

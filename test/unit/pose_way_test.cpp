@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace clothsim {
+namespace clothsim::pose_way_test {
 namespace {
 
 const Vector3 axis = Vector3(1, -2, 0.5).normalized();
@@ -97,4 +97,4 @@ TEST(PoseWay, FollowsARotationToFourthOrder) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::pose_way_test

@@ -16,10 +16,10 @@
 #include "unit/plain_rotation.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::rest_curvature_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Material material() {
   Material m = fabric_spec(2, 2, 0.1, 0.1).material;
@@ -303,4 +303,4 @@ TEST(RestCurvature, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::rest_curvature_test

@@ -11,10 +11,10 @@
 #include "scene_text.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::robots_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Two links, the second turned and 1 m above the first, with a finger of a mesh.
 const char* const arm = R"(<?xml version="1.0"?>
@@ -239,4 +239,4 @@ TEST_F(Robots, ClothRestsOnShellsOfAFileThatOverlap) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::robots_test

@@ -7,10 +7,10 @@
 #include "state_testing.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::saved_states_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(SavedStates, BringBackCollidersAndPinsToo) {
   Simulator simulator(busy("auto"));
@@ -275,4 +275,4 @@ TEST(SavedStates, SendCollidersNoFartherThanTheirTargetInFramesOfAnotherLength) 
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::saved_states_test

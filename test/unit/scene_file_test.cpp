@@ -7,7 +7,7 @@
 #include "scene_text.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::scene_file_test {
 namespace {
 
 std::string write_temporary(const std::string& name, const std::string& text) {
@@ -40,7 +40,7 @@ std::string file_refusal(const std::string& path) {
 
 // Opening a pipe that nobody writes to would wait for ever.
 TEST(SceneFile, AsksForARegularFile) {
-  const clothsim::testing::TemporaryFolder folder("pipe");
+  const clothsim::test::TemporaryFolder folder("pipe");
   const std::string pipe = folder.path() / "pipe.yaml";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& path : {pipe, std::string("/dev/zero"), std::string("/dev/tty")}) {
@@ -133,4 +133,4 @@ TEST(SceneFile, SelfCollision) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::scene_file_test

@@ -5,7 +5,7 @@
 #include "says.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::scene_mistakes_test {
 namespace {
 
 struct Mistake {
@@ -398,4 +398,4 @@ TEST(SceneYaml, NamesTheParameterTheWayTheNodeWritesIt) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::scene_mistakes_test

@@ -7,7 +7,7 @@
 #include "clothsim/model/errors.h"
 #include "says.h"
 
-namespace clothsim {
+namespace clothsim::scene_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -128,4 +128,4 @@ TEST(Validate, ACollidersIdHas8Bits) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::scene_test

@@ -7,7 +7,7 @@
 #include "says.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::scene_yaml_test {
 namespace {
 
 // ---- Reading
@@ -412,4 +412,4 @@ TEST(LiveValues, RefuseWhatASceneWouldAndWhatCannotChange) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::scene_yaml_test

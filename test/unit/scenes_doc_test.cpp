@@ -12,7 +12,7 @@
 #include "meshes.h"
 #include "scene_text.h"
 
-namespace clothsim {
+namespace clothsim::scenes_doc_test {
 namespace {
 
 struct Row {
@@ -56,7 +56,7 @@ struct Map {
 /// A mesh for scenes to name.
 std::string box_file() {
   const std::string path = ::testing::TempDir() + "clothsim_scenes_doc.obj";
-  testing::write_obj(path, testing::box_soup({0.1, 0.2, 0.3}));
+  test::write_obj(path, test::box_soup({0.1, 0.2, 0.3}));
   return path;
 }
 
@@ -236,4 +236,4 @@ TEST(ScenesDoc, NamesEveryMethod) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::scenes_doc_test

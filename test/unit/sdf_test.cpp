@@ -8,7 +8,7 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::sdf_test {
 namespace {
 
 std::string sdf(const std::string& content) {
@@ -46,7 +46,7 @@ std::string cabinet() {
 
 /// The colliders of a scene with the model of a text.
 std::vector<ColliderSpec> colliders_of(const std::string& text, bool bodies = true) {
-  const testing::TemporaryFolder folder("sdf");
+  const test::TemporaryFolder folder("sdf");
   std::ofstream(folder.path() / "model.sdf") << text;
   const std::string with = bodies ? "true" : "false";
   return read_scene(YAML::Load("{cloth: {}, robots: [{file: model.sdf, bodies: " + with + "}]}"),
@@ -174,4 +174,4 @@ TEST(Sdf, IsRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::sdf_test

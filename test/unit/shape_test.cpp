@@ -8,7 +8,7 @@
 
 #include "clothsim/shapes/signed_distances.h"
 
-namespace clothsim {
+namespace clothsim::shape_test {
 namespace {
 
 const Shape ball = Sphere{0.5};
@@ -293,4 +293,4 @@ TEST(Shape, CornersStandOffByWhatAFlatTriangleDips) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shape_test

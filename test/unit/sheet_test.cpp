@@ -12,10 +12,10 @@
 #include "meshes.h"
 #include "temporary_folder.h"
 
-namespace clothsim {
+namespace clothsim::sheet_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double thickness = 0.01;
 
@@ -166,4 +166,4 @@ TEST(Sheet, HoldsClothOnEitherSide) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::sheet_test

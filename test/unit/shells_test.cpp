@@ -4,10 +4,10 @@
 
 #include "meshes.h"
 
-namespace clothsim {
+namespace clothsim::shells_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TriangleSoup inside_out(TriangleSoup soup) {
   for (auto& [a, b, c] : soup.triangles) std::swap(b, c);
@@ -54,4 +54,4 @@ TEST(Shells, OfHollowsGoWithTheirSolid) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::shells_test

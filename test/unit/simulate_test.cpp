@@ -59,7 +59,7 @@ class Simulate : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
   }
 
-  const clothsim::testing::TemporaryFolder temporary_{"simulate"};
+  const clothsim::test::TemporaryFolder temporary_{"simulate"};
   const fs::path folder_ = temporary_.path();
   std::string scene_;
 };

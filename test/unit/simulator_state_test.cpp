@@ -9,10 +9,10 @@
 #include "state_testing.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::simulator_state_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 class States : public ::testing::TestWithParam<std::string> {};
 
@@ -322,4 +322,4 @@ TEST_F(Refused, GarbageInAMemory) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::simulator_state_test

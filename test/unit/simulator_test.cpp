@@ -10,10 +10,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::simulator_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Scene hanging() {
   Scene scene;
@@ -427,4 +427,4 @@ TEST(Simulator, KeepsTheFrameBeforeAfterAnExceptionInASubstep) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::simulator_test

@@ -5,10 +5,10 @@
 #include "clothsim/shapes/signed_distances.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::sleep_bounds_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(SleepBounds, NoBlockSleepsThatHasAPointInReach) {
   // Random paths of points and of shapes that turn, a block for each point: points that SleepBounds
@@ -93,4 +93,4 @@ TEST(SleepBounds, WhatMovedBetweenStepsCounts) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::sleep_bounds_test

@@ -11,10 +11,10 @@
 #include "clothsim/shapes/face_distance.h"
 #include "meshes.h"
 
-namespace clothsim {
+namespace clothsim::solid_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Triangle triangle_of(const TriangleSoup& soup, std::size_t t) {
   const auto at = [&](int i) { return soup.vertices[static_cast<std::size_t>(i)]; };
@@ -395,4 +395,4 @@ TEST(Solid, EntryIsWhereAPathFirstComesWithinTheOffsetAlsoPastAHollow) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::solid_test

@@ -6,10 +6,10 @@
 #include "clothsim/dynamics/springs.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::spectrum_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// The largest frequency of M^-1/2 K M^-1/2 at `x`, with K the exact Hessian of the springs,
 /// k (u u^T + (1 - L0 / l)(I - u u^T)), over the free points.
@@ -98,4 +98,4 @@ TEST(Spectrum, IsFiniteWherePointsCoincide) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::spectrum_test

@@ -6,10 +6,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::springs_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(Springs, BandsHoldEverySpringOnceAndNothingElse) {
   ClothSpec spec = square_spec(7);
@@ -47,4 +47,4 @@ TEST(Springs, NoSpringsNoBands) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::springs_test

@@ -6,10 +6,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::stacks_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double h = 0.001;          // [s]
 constexpr double thickness = 0.002;  // of a layer [m]
@@ -171,4 +171,4 @@ TEST(Stacks, NeedTheLongestChainThatBruteForceFinds) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::stacks_test

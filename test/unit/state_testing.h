@@ -4,7 +4,7 @@
 
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 inline constexpr double once = 0.35;  // [s] by then there is contact and the strain limit works
 inline constexpr double more = 0.3;
@@ -41,4 +41,4 @@ inline Scene swinging() {
   return scene;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

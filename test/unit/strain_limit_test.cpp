@@ -4,10 +4,10 @@
 #include "clothsim/dynamics/stretch.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::strain_limit_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double limit = 0.1;
 constexpr double displacement_factor = 0.5;
@@ -337,4 +337,4 @@ TEST(StrainLimit, RepairsLeaveNoSpringOverItsLimitWhereverTheyLead) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::strain_limit_test

@@ -2,10 +2,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::stretch_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(Stretch, FastWorstEqualsThePlainOne) {
   for (const auto& [columns, rows] :
@@ -58,4 +58,4 @@ TEST(Stretch, IsZeroWithoutSprings) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::stretch_test

@@ -5,10 +5,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::substeps_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(CountSubsteps, FollowsTheFrequency) {
   // n = dt omega / (margin * limit): as the root of stiffness over mass, and with the frame.
@@ -59,4 +59,4 @@ TEST(CountSubsteps, OneWithoutAStabilityLimitUnlessTensionAsksForMore) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::substeps_test

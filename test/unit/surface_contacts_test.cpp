@@ -5,10 +5,10 @@
 #include "clothsim/geometry/intersections.h"
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::surface_contacts_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double displacement_factor = 0.5;
 const Workers alone;
@@ -339,4 +339,4 @@ TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayB
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::surface_contacts_test

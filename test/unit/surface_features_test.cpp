@@ -1,10 +1,10 @@
 #include "clothsim/search/tiles.h"
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::surface_features_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Tiles have all pairs of features that share no point, each once.
 void expect_all_once(const Surface& surface) {
@@ -81,4 +81,4 @@ TEST(SurfaceMesh, KnowsTheTrianglesOfEachPoint) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::surface_features_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::surface_pair_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr std::array<SurfacePair, 2> pairs = {
     {{0, {0, 1, 2, 3}, 0}, {SurfacePair::no_triangle, {0, 1, 2, 3}, 0}}};
@@ -83,4 +83,4 @@ TEST(SurfacePair, WhatTurnsAsARigidBodyKeepsItsGap) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::surface_pair_test

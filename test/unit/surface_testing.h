@@ -11,7 +11,7 @@
 #include "clothsim/search/nearest_distances.h"
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 constexpr double strip_thickness = 0.01;  // [m]
 
@@ -187,4 +187,4 @@ inline std::vector<Features> sorted_features(const std::vector<NearPair>& pairs)
   return result;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

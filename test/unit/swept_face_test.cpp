@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace clothsim {
+namespace clothsim::swept_face_test {
 namespace {
 
 constexpr double offset = 1e-3;
@@ -84,4 +84,4 @@ TEST(SweptFace, TellsHowFarATriangleWentThrough) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::swept_face_test

@@ -7,10 +7,10 @@
 #include "clothsim/model/grid.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::tension_inertia_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 const Vector3 no_gravity(0, 0, 0);
 
@@ -134,4 +134,4 @@ TEST(TensionInertia, AFreeClothFallsAsEver) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::tension_inertia_test

@@ -2,10 +2,10 @@
 
 #include "surface_testing.h"
 
-namespace clothsim {
+namespace clothsim::tiles_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Tiles of patches at given positions.
 struct Shapes {
@@ -121,4 +121,4 @@ TEST(TileShapes, LookPastNoTileThatIsNear) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::tiles_test

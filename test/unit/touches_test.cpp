@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::touches_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 ColliderSpec collider(const char* name, const Shape& shape, const Vector3& position) {
   ColliderSpec spec;
@@ -70,4 +70,4 @@ TEST(Touches, ARodBetweenPointsTouchesATriangle) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::touches_test

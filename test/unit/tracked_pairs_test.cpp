@@ -9,7 +9,7 @@
 #include "clothsim/search/patches.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::tracked_pairs_test {
 namespace {
 
 /// A point of a cloth that is thicker than its cells, and two triangles with an edge in common.
@@ -108,4 +108,4 @@ TEST_F(SurfaceSlotsOfNeighbours, GoOnFromWhereTheyDoNot) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::tracked_pairs_test

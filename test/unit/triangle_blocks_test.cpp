@@ -7,7 +7,7 @@
 #include "clothsim/model/grid.h"
 #include "clothsim/shapes/face_distance.h"
 
-namespace clothsim {
+namespace clothsim::triangle_blocks_test {
 namespace {
 
 /// A crumpled cloth about the origin, `columns` x `rows` points.
@@ -92,4 +92,4 @@ TEST(TriangleBlocks, LeaveOutNoTriangleThatTouchesWithMoreThanACorner) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::triangle_blocks_test

@@ -17,10 +17,10 @@
 #include "unit/plain_rotation.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::triangle_fabric_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 Material material() {
   Material m = fabric_spec(2, 2, 0.1, 0.1).material;
@@ -153,7 +153,7 @@ TEST(TriangleFabric, DampingOfBendsIsTheSumOverStencilsLessARotation) {
   const Cloth cloth = sheet(m);
   const Points x = moved(cloth, 0.03), v = moved(cloth, 0.3, 4);
   Points expected = forces_at(cloth, x);
-  const Vector3 omega = testing::plain_rotation(cloth, x, v);
+  const Vector3 omega = test::plain_rotation(cloth, x, v);
   for (const PatchBend& bend : cloth.triangle_fabric->bends) {
     const Vector3 pull = 0.02 * bend.stiffness * (bend.of(v) - omega.cross(bend.of(x)));
     for (std::size_t k = 0; k < PatchBend::size; ++k) {
@@ -277,4 +277,4 @@ TEST(TriangleFabric, AMeshNeedsAFabric) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::triangle_fabric_test

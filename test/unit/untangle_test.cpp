@@ -11,7 +11,7 @@
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/simulation/simulator.h"
 
-namespace clothsim {
+namespace clothsim::untangle_test {
 namespace {
 
 /// A towel of 0.4 m on the ground.
@@ -231,4 +231,4 @@ TEST(GivenCrossings, ToLookForThemChangesNoBits) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::untangle_test

@@ -4,7 +4,7 @@
 
 #include "clothsim/shapes/mass_properties.h"
 
-namespace clothsim {
+namespace clothsim::urdf_bodies_test {
 namespace {
 
 std::string box(const std::string& size, const std::string& origin = "0 0 0") {
@@ -159,4 +159,4 @@ TEST(UrdfBodies, AreRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::urdf_bodies_test

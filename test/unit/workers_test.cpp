@@ -19,10 +19,10 @@
 #include "clothsim/constraints/strain_limit.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::workers_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 int threads_now() {
   std::ifstream status("/proc/self/status");
@@ -333,4 +333,4 @@ std::vector<std::string> auto_and_methods() {
 INSTANTIATE_TEST_SUITE_P(Methods, MethodThreadBits, ::testing::ValuesIn(auto_and_methods()));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::workers_test

@@ -7,10 +7,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::amplification_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 using Complex = std::complex<double>;
 using namespace std::complex_literals;
 
@@ -127,4 +127,4 @@ TEST(Amplification, Bdf2DoesNotGiveAHitAgain) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::amplification_test

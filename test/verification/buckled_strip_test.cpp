@@ -4,10 +4,10 @@
 
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::buckled_strip_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 struct Buckled {
   double height;  // by the length
@@ -69,4 +69,4 @@ TEST(BuckledStrip, IsTheElasticaWithTheMethodThatAutoTakes) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::buckled_strip_test

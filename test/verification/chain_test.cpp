@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::chain_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double g = 9.8;
 const Loads no_gravity{Vector3::Zero()};
@@ -229,4 +229,4 @@ TYPED_TEST(Statics, TautMembraneSwingsAtItsExactFrequencies) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::chain_test

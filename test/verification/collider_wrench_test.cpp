@@ -5,10 +5,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::collider_wrench_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double g = 9.8;  // [m/s^2]
 
@@ -253,4 +253,4 @@ TEST(ColliderWrench, IsTheSameWithTwoThreadsAndAfterComingBack) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::collider_wrench_test

@@ -5,10 +5,10 @@
 #include "verification/elastica.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::curved_strip_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double quarter = M_PI / 2;
 constexpr double radius = strip_length / quarter;
@@ -73,4 +73,4 @@ TEST(CurvedStrip, SagsAsAThinBeam) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::curved_strip_test

@@ -6,7 +6,7 @@
 #include "clothsim/dynamics/implicit_euler.h"
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 struct EndOfStrip {
   double drop;
@@ -65,4 +65,4 @@ inline Points at_rest(const Cloth& cloth) {
   return state.positions;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -5,7 +5,7 @@
 #include "clothsim/dynamics/energy.h"
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// Energy of motion that a cloth gains from nothing while nothing is driven: the gain in kinetic
 /// energy and in potential energy of gravity, plus the loss to drag, minus the energy released by
@@ -60,4 +60,4 @@ class EnergyAccount {
   double scale_ = 0;    // [J]
 };
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -8,10 +8,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::energy_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 TEST(Verlet, EnergyStaysBoundedAndItsErrorGoesWithTheSquareOfTheStep) {
   // A symplectic method keeps a nearby energy: the error swings, by C h^2, and does not drift. The
@@ -145,4 +145,4 @@ TEST(Scaling, TwiceTheDensityIsHalfTheStiffness) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::energy_test

@@ -10,10 +10,10 @@
 #include "verification/elastica.h"
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_cantilever_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 // ---- The exact curve
 
@@ -238,4 +238,4 @@ TYPED_TEST(FabricMethod, HangsTheSame) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_cantilever_test

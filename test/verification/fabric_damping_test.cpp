@@ -8,10 +8,10 @@
 #include "clothsim/model/join_cloths.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_damping_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 template <typename Method>
 class FabricDampingByMethod : public ::testing::Test {};
@@ -307,4 +307,4 @@ TEST(FabricSteps, NewtonConvergesThoughItsHessianLeavesOutTheRotationOfDamping) 
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_damping_test

@@ -4,10 +4,10 @@
 
 #include "verification/fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::fabric_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 // ---- Stretch and shear
 
@@ -117,4 +117,4 @@ TEST(Fabric, BendingIsNoneOfStretch) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::fabric_test

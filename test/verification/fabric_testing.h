@@ -4,7 +4,7 @@
 
 #include "verification/testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 inline constexpr double fabric_density = 0.2;  // [kg/m^2]
 
@@ -51,4 +51,4 @@ inline ClothSpec strip(double gamma, int points, bool along_weft) {
   return spec;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -8,10 +8,10 @@
 #include "clothsim/geometry/intersections.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::free_motion_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 const Loads no_gravity{Vector3::Zero()};
 constexpr double g = 9.8;
@@ -362,4 +362,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::free_motion_test

@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::friction_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double g = 9.8;
 
@@ -182,4 +182,4 @@ TEST(Belt, ASphereThatTurnsCarriesTheClothThatHangsOverItAlong) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::friction_test

@@ -5,10 +5,10 @@
 #include "clothsim/run/report.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::impact_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Speed [m/s], strain limit, substeps (0: auto).
 using Impact = std::tuple<double, bool, int>;
@@ -205,4 +205,4 @@ INSTANTIATE_TEST_SUITE_P(Speeds, FastPlane,
                                             ::testing::Bool()));
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::impact_test

@@ -2,10 +2,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::implicit_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// A cloth hung by two corners with some speed at its start.
 struct Hung {
@@ -68,4 +68,4 @@ TEST(ImplicitEuler, IsWhatXpbdConvergesToAsIterationsGrow) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::implicit_test

@@ -5,10 +5,10 @@
 #include "verification/elastica.h"
 #include "verification/mesh_fabric_testing.h"
 
-namespace clothsim {
+namespace clothsim::mesh_cantilever_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Drop over reach of a strip whose first two columns are held: clamped halfway between them.
 double ratio_at_rest(double gamma, double warp, Sheet sheet) {
@@ -72,4 +72,4 @@ TEST(MeshCantilever, UnevenMeshesAreAFewPercentTooStiff) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::mesh_cantilever_test

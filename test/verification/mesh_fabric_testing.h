@@ -9,7 +9,7 @@
 #include "clothsim/model/make_cloth.h"
 #include "verification/fabric_testing.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// A flat rectangle of triangles in the plane z = 0, its points in rows.
 struct Sheet {
@@ -76,4 +76,4 @@ inline ClothSpec curved_spec(const MeshTriangles& triangles, const Material& mat
   return spec;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

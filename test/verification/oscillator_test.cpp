@@ -4,10 +4,10 @@
 
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::oscillator_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 const Loads no_gravity{Vector3::Zero()};
 
@@ -167,4 +167,4 @@ TYPED_TEST(EveryMethod, PendulumKeepsItsPeriod) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::oscillator_test

@@ -6,10 +6,10 @@
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::stability_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// An upright cloth of 5 x 5 points, free, without gravity, whose start is uneven by up to 1 mm.
 Scene floating() {
@@ -157,4 +157,4 @@ TEST(Stability, MaterialChangedEveryFrame) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::stability_test

@@ -13,7 +13,7 @@
 #include "clothsim/scene/scene_yaml.h"
 #include "clothsim/simulation/simulator.h"
 
-namespace clothsim::testing {
+namespace clothsim::test {
 
 /// The closed list of methods as the types of a typed test.
 template <typename Variant>
@@ -142,4 +142,4 @@ inline Vector3 angular_momentum(const Cloth& cloth, const State& state) {
   return sum;
 }
 
-}  // namespace clothsim::testing
+}  // namespace clothsim::test

@@ -8,10 +8,10 @@
 #include "clothsim/model/errors.h"
 #include "verification/testing.h"
 
-namespace clothsim {
+namespace clothsim::trajectory_test {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr double seconds = 0.5;
 
@@ -202,4 +202,4 @@ TYPED_TEST(Trajectory, ExtremesDivergeWhereTheoryHasItAndElsewhereFallAndHang) {
 }
 
 }  // namespace
-}  // namespace clothsim
+}  // namespace clothsim::trajectory_test

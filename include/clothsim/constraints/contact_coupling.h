@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 
 #include "clothsim/constraints/contact_impulse.h"
 #include "clothsim/constraints/rigid_motion.h"
@@ -29,8 +28,8 @@ struct ContactCoupling {
   Vector3 x{0, 0, 0};   // [m]
   ContactImpulse of_a;  // of the body, on the cloth [N s]
   std::array<Corner, 3> corners;
-  std::size_t count = 0;                                       // of corners
-  double strongest = std::numeric_limits<double>::infinity();  // normal impulse of the body [N s]
+  std::size_t count = 0;        // of corners
+  double strongest = infinity;  // normal impulse of the body [N s]
 
   /// Updates the impulses, the velocities of the corners and the motions of both colliders. Returns
   /// the largest change of a relative velocity [m/s].

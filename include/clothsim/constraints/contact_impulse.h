@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "clothsim/model/memory.h"
 #include "clothsim/model/types.h"
@@ -16,11 +15,10 @@ struct ContactImpulse {
   Vector3 surface_velocity{0, 0, 0};  // [m/s]
   double target_velocity = 0;  // least normal velocity allowed; > 0: away from the surface [m/s]
   double friction = 0;
-  double max_normal_impulse = std::numeric_limits<double>::infinity();  // in total
-  double max_separating_impulse =
-      std::numeric_limits<double>::infinity();  // where it separates an overlap
-  double normal_impulse = 0;                    // along the normal, >= 0
-  Vector3 friction_impulse{0, 0, 0};  // against sliding, at most friction * normal_impulse
+  double max_normal_impulse = infinity;      // in total
+  double max_separating_impulse = infinity;  // where it separates an overlap
+  double normal_impulse = 0;                 // along the normal, >= 0
+  Vector3 friction_impulse{0, 0, 0};         // against sliding, at most friction * normal_impulse
 
   /// Updates the impulse for the relative motion of a contact with `velocity` [m/s] and effective
   /// `mass`: an impulse p changes that velocity by p / mass. Returns the change of the impulse.
@@ -85,7 +83,7 @@ struct ContactImpulse {
 
   /// Ends the contact: no impulse from now on.
   void deactivate() {
-    target_velocity = -std::numeric_limits<double>::infinity();
+    target_velocity = -infinity;
     normal_impulse = friction = 0;
     friction_impulse.setZero();
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "clothsim/constraints/contact_impulse.h"
@@ -138,8 +137,8 @@ class ContactSlots {
 
   /// Does a point have a contact in this step?
   bool touches(int point) const {
-    return has_active(point / block) && at(point / block).target_velocity[point % block] >
-                                            -std::numeric_limits<double>::infinity();
+    return has_active(point / block) &&
+           at(point / block).target_velocity[point % block] > -infinity;
   }
   /// Does a point have an impulse (before warm_start(): of the last step)?
   bool has_impulse(int point) const { return at(point / block).normal_impulse[point % block] > 0; }

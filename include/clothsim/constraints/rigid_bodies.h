@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -155,7 +154,7 @@ class RigidBodies {
   std::vector<std::size_t> last_group_;  // the same in the last step
   std::size_t bodies_in_scene_ = 0;
   double mass_ = 0;
-  double least_depth_ = std::numeric_limits<double>::infinity();
+  double least_depth_ = infinity;
   double h_ = 0;  // of the step [s]
 };
 

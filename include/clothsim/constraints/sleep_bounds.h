@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "clothsim/model/lanes.h"
@@ -84,8 +83,7 @@ class SleepBounds {
     min_used_up_at_ = std::min(min_used_up_at_, at);
   }
   void wake(int block) {
-    used_up_at_[static_cast<std::size_t>(block)] = min_used_up_at_ =
-        -std::numeric_limits<double>::infinity();
+    used_up_at_[static_cast<std::size_t>(block)] = min_used_up_at_ = -infinity;
   }
 
   /// Can a point be within `distance` [m] of the surface?
@@ -97,9 +95,9 @@ class SleepBounds {
   void find_near(double travelled, double distance, std::vector<Span>& spans);
 
  private:
-  std::vector<double> used_up_at_;  // by block: travelled + moved_
-  double min_used_up_at_ = -std::numeric_limits<double>::infinity();  // their minimum, or less
-  double moved_ = 0;  // total displacement of the surface [m]
+  std::vector<double> used_up_at_;     // by block: travelled + moved_
+  double min_used_up_at_ = -infinity;  // their minimum, or less
+  double moved_ = 0;                   // total displacement of the surface [m]
   bool is_seen_ = false;
   Pose pose_;
 };

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "clothsim/constraints/limited_spring.h"
@@ -225,8 +224,8 @@ class StrainLimit {
   double momentum_ = 1;              // strength at the end of solve()
   double max_velocity_impulse_ = 0;  // of this step, see FourSprings [m/s]
   bool yields_ = false;
-  double slack_ = 0;  // time until a spring may reach its limit [s]
-  double others_ = std::numeric_limits<double>::infinity();  // see begin_frame() [m/s]
+  double slack_ = 0;          // time until a spring may reach its limit [s]
+  double others_ = infinity;  // see begin_frame() [m/s]
   TensionInertia inertia_;
   std::vector<Piece> pieces_;  // in the order of cloth.springs
   std::vector<int> order_;     // of pieces_, neighbourhood by neighbourhood

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/newton_solver.h"
@@ -30,7 +28,7 @@ class Bdf2 {
  public:
   static constexpr const char* name = "bdf2";
   enum { order = 2 };
-  static constexpr double stability_limit = std::numeric_limits<double>::infinity();
+  static constexpr double stability_limit = infinity;
   static double displacement_factor(double, double) { return 1; }  // see Integrator; if held
 
   struct Parameters : NewtonSolver::Parameters {};

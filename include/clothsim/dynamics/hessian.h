@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -13,6 +11,6 @@ namespace clothsim {
 /// semidefinite (Teran et al. 2005, "Robust quasistatic finite elements"). Zero where l = 0, as the
 /// force is.
 Eigen::Matrix3d spring_hessian(double stiffness, double rest_length, const Vector3& d,
-                               double min_across = -std::numeric_limits<double>::infinity());
+                               double min_across = -infinity);
 
 }  // namespace clothsim

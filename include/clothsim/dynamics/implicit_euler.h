@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/dynamics/newton_solver.h"
 #include "clothsim/model/cloth.h"
@@ -19,7 +17,7 @@ class ImplicitEuler {
  public:
   static constexpr const char* name = "implicit_euler";
   enum { order = 1 };
-  static constexpr double stability_limit = std::numeric_limits<double>::infinity();
+  static constexpr double stability_limit = infinity;
   static double displacement_factor(double, double) { return 1; }  // see Integrator
 
   struct Parameters : NewtonSolver::Parameters {};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 
 #include "clothsim/model/cloth.h"
 
@@ -54,7 +53,7 @@ void for_each_band(const Cloth& cloth, Visitor&& visit) {
 
 /// Shortest of all springs [m]; infinite without springs.
 inline double shortest_rest_length(const Cloth& cloth) {
-  double shortest = std::numeric_limits<double>::infinity();
+  double shortest = infinity;
   for (const SpringRun& run : cloth.springs) shortest = std::min(shortest, run.rest_length);
   return shortest;
 }

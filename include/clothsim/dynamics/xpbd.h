@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <vector>
 
 #include "clothsim/dynamics/bends.h"
@@ -36,7 +35,7 @@ class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
   enum { order = 1 };
-  static constexpr double stability_limit = std::numeric_limits<double>::infinity();
+  static constexpr double stability_limit = infinity;
   static double displacement_factor(double, double) { return 1; }  // see Integrator
 
   struct Parameters {

@@ -60,6 +60,7 @@ clothsim::Colliders to_colliders_msg(const clothsim::Simulator&, const std_msgs:
 /// Pinhole without distortion; K and P are the same.
 sensor_msgs::CameraInfo to_camera_info(const clothsim::Camera&, const std_msgs::Header&);
 
+clothsim::Vector3 to_vector(const geometry_msgs::Vector3&);
 geometry_msgs::Vector3 to_vector_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Vector3&);
 geometry_msgs::Point to_point_msg(const clothsim::Points&, int point);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -55,8 +54,8 @@ struct Joint {
   Vector3 axis{0, 0, 1};   // unit, in the world
   Vector3 point{0, 0, 0};  // of the axis of a hinge, in the world [m]
   // Range of the displacement [m], or of the angle [rad], which are 0 at the start:
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
+  double lower = -infinity;
+  double upper = infinity;
 };
 
 /// The mass and the first motion of a collider that the cloth moves, a rigid body.

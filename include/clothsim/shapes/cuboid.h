@@ -14,7 +14,7 @@ struct Cuboid {
   bool operator==(const Cuboid& other) const { return size == other.size; }
   double safe_depth() const { return size.minCoeff() / 4; }
   double bounding_radius() const { return size.norm() / 2; }
-  double corner_distance(double, double) const { return std::numeric_limits<double>::infinity(); }
+  double corner_distance(double, double) const { return infinity; }
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
     // Distances beyond the faces on the point's side.
     const double bx = std::abs(x) - size.x() / 2;

@@ -16,7 +16,7 @@ struct Cylinder {
   bool operator==(const Cylinder& c) const { return length == c.length && radius == c.radius; }
   double safe_depth() const { return (radius < length / 2 ? radius : length / 2) / 2; }
   double bounding_radius() const { return std::hypot(length / 2, radius); }
-  double corner_distance(double, double) const { return std::numeric_limits<double>::infinity(); }
+  double corner_distance(double, double) const { return infinity; }
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
     const double rho = std::sqrt(x * x + y * y);
     const double scale = rho > 0 ? rho : 1;

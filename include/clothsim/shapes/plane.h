@@ -13,8 +13,8 @@ struct Plane {
   // Members that shape.h requires. For a plane the corners of triangles are enough.
   static constexpr bool is_convex = true;
   bool operator==(const Plane& other) const { return two_sided == other.two_sided; }
-  double safe_depth() const { return std::numeric_limits<double>::infinity(); }
-  double bounding_radius() const { return std::numeric_limits<double>::infinity(); }
+  double safe_depth() const { return infinity; }
+  double bounding_radius() const { return infinity; }
   double corner_distance(double, double offset) const { return offset; }
   [[gnu::always_inline]] NearSurface near_surface(double, double, double z, double side) const {
     const double sign = two_sided && side < 0 ? -1.0 : 1.0;

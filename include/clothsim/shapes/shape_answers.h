@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "clothsim/geometry/box_tree.h"
 #include "clothsim/geometry/intersections.h"
@@ -39,7 +38,7 @@ struct NearSurface {
 /// far.
 struct FaceDistance {
   /// [m] between them; negative: the shortest way that takes the triangle out.
-  double value = std::numeric_limits<double>::infinity();
+  double value = infinity;
   Vector3 normal{0, 0, 1};  // unit, from the shape to the triangle, or that way's direction
   std::array<double, 3> weights{1, 0, 0};  // of the corners, at the triangle's point; sum 1
 };

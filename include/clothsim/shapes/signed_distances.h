@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "clothsim/model/point_run.h"
 #include "clothsim/shapes/collider.h"
 #include "clothsim/shapes/solid.h"
@@ -19,8 +17,8 @@ struct Frame {
 
 /// Options of a query to a mesh; other shapes ignore them.
 struct Asked {
-  double near = std::numeric_limits<double>::infinity();  // [m] see Solid::distance_within()
-  Solid::Neighbourhood* neighbourhoods = nullptr;         // of the points; null: not kept
+  double near = infinity;                          // [m] see Solid::distance_within()
+  Solid::Neighbourhood* neighbourhoods = nullptr;  // of the points; null: not kept
 };
 
 /// Signed distances [m] of `count` points of the world from the surface of a solid at `frame`, and

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -137,7 +136,7 @@ class Solid {
   };
   /// A triangle and its point nearest to another one.
   struct Nearest {
-    double squared = std::numeric_limits<double>::infinity();
+    double squared = infinity;
     int face = -1;
     Vector3 gap = Vector3::Zero();  // from the surface to the point
     std::array<double, 3> weights{1, 0, 0};
@@ -168,7 +167,7 @@ class Solid {
     template <std::size_t count>
     double of(const std::array<Vector3, count>& points) const {
       Box box;
-      double low = std::numeric_limits<double>::infinity(), high = -low;
+      double low = infinity, high = -low;
       for (const Vector3& p : points) {
         const double off = normal_.dot(p) - height_;
         low = std::min(low, off);

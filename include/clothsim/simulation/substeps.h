@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
 #include "clothsim/model/workers.h"
@@ -21,7 +19,7 @@ inline constexpr double way_share = 0.25;
 /// [rad/s].
 int count_substeps(const Cloth&, const Vector3& gravity, const Points& positions,
                    double stability_limit, double dt, int min_steps = 1, const Workers& = {},
-                   double omega_max = std::numeric_limits<double>::infinity());
+                   double omega_max = infinity);
 
 /// Number of substeps with which nothing that moves at `speed` [m/s] relative to the cloth passes
 /// more than a quarter of the shortest spring in one of them. Otherwise a collider would stretch

@@ -25,14 +25,14 @@ struct Pile {
 
 /// By number of points, at the same frame, as the first folds touch; and cases beyond contact by
 /// points, until the cloth lies still.
-struct Series {
+struct ContactSeries {
   const char* name;
   int frames;
   int measured_from;  // first frame whose cost counts
   std::vector<Pile> piles;
 };
 
-std::vector<Series> series(bool quick) {
+std::vector<ContactSeries> contact_series(bool quick) {
   if (quick) return {{"points", 45, 27, {{"shipped", 15}}}};
   return {
       {"points", 54, 36, {{"shipped", 25}, {"shipped", 50}, {"shipped", 100}, {"shipped", 200}}},
@@ -61,7 +61,7 @@ std::vector<Job> contact_jobs(const Options& options) {
   auto table = std::make_shared<Table>(std::vector<std::string>{
       "series", "pile", "side", "contact", "cost_ms_per_s", "crossings", "rest_speed"});
   std::vector<Job> jobs;
-  for (const Series& s : series(options.quick)) {
+  for (const ContactSeries& s : contact_series(options.quick)) {
     for (const Pile& pile : s.piles) {
       for (const auto& [contact, kind] : {std::pair{"points", SelfCollision::points},
                                           std::pair{"surface", SelfCollision::surface}}) {

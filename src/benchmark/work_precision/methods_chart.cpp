@@ -20,7 +20,7 @@ namespace {
 constexpr double lost = 0.5;
 
 /// One minute of CPU a run, in case a method does worse than expected.
-constexpr Budget budget{0.5, 60};
+constexpr Budget run_budget{0.5, 60};
 
 struct Tables {
   Table runs{{"scene",          "columns",        "method",       "used_method",
@@ -164,14 +164,14 @@ std::vector<Job> methods_jobs(const Options& options) {
       if (!wanted(options.methods, dial.name())) continue;
       jobs.push_back([=] {
         const Run result =
-            run(simulator_of(at(judge->trial.scene, dial)), judge->trial.frames, budget);
+            run(simulator_of(at(judge->trial.scene, dial)), judge->trial.frames, run_budget);
         add_run(*judge, dial.name(), dial, result, judge->converged_run(dial), *tables);
       });
     }
     for (const Peer& peer : peers(trial, options.quick)) {
       if (!wanted(options.methods, peer.name)) continue;
       jobs.push_back([=] {
-        const Run result = run(peer.make, judge->trial.frames, budget);
+        const Run result = run(peer.make, judge->trial.frames, run_budget);
         add_run(*judge, peer.name, peer.dial, result, nullptr, *tables);
       });
     }

@@ -26,7 +26,7 @@ Trajectory follow(Scene scene, const std::string& method, int substeps, int fram
   scene.simulation.method_parameters = {};
   scene.simulation.substeps = substeps;
   scene.simulation.strain_tolerance = strain_tolerance;
-  Run result = run(simulator_of(scene), frames, {0, std::numeric_limits<double>::infinity()});
+  Run result = run(simulator_of(scene), frames, {0, infinity});
   if (result.outcome != Outcome::done) {
     throw Diverged("the reference diverged with " + method + " and " + std::to_string(substeps) +
                    " substeps a frame");

@@ -31,8 +31,8 @@ struct Run {
 
 /// Budget of a run, in all [CPU s].
 struct Budget {
-  double repeat = 0.5;  // repeated, up to three times, while the sum is below
-  double stop = std::numeric_limits<double>::infinity();  // stopped when one run takes more
+  double repeat = 0.5;     // repeated, up to three times, while the sum is below
+  double stop = infinity;  // stopped when one run takes more
 };
 
 /// Runs `frames` frames of a new stepper. Only step() counts as cost.

@@ -15,8 +15,8 @@
 namespace clothsim::work_precision {
 namespace {
 
-constexpr int side = 10;
-constexpr double seconds = 0.5;
+constexpr int points_a_side = 10;
+constexpr double duration = 0.5;
 
 /// Most steps of a run, by the cost of a step.
 constexpr int max_steps = 8192;
@@ -39,7 +39,7 @@ struct Column {
 
 /// Undamped, so that growing oscillations show, and uneven, so that all modes are excited.
 Scene scene_of(const std::string& varied, double value) {
-  Scene scene = corner_drop(side);
+  Scene scene = corner_drop(points_a_side);
   Material& material = scene.cloth.material;
   scene.cloth.orientation = Orientation::vertical;
   material.damping = 0;
@@ -50,7 +50,7 @@ Scene scene_of(const std::string& varied, double value) {
 /// `steps` steps as frames of one substep each. False where a step diverged or the energy grew;
 /// `end` is then empty.
 bool is_stable(Scene scene, const std::string& method, int steps, Points& end) {
-  scene.simulation.frames_per_second = steps / seconds;
+  scene.simulation.frames_per_second = steps / duration;
   Simulator simulator(at(scene, {method, 1}));
   const Cloth& cloth = simulator.cloth();
   const Vector3& gravity = scene.simulation.gravity;
@@ -93,7 +93,7 @@ void prepare(Column& column) {
   const Cloth cloth = make_grid(column.scene.cloth);
   column.omega = omega_max_bound(cloth, cloth.rest_positions);
   const int steps =
-      std::max(min_reference_steps, static_cast<int>(std::ceil(8 * column.omega * seconds)));
+      std::max(min_reference_steps, static_cast<int>(std::ceil(8 * column.omega * duration)));
   if (!is_stable(column.scene, RungeKutta4::name, steps, column.end)) {
     throw Diverged("the reference of a stability map diverged");
   }
@@ -127,7 +127,7 @@ std::vector<Job> stability_jobs(const Options& options) {
             const double nan = std::numeric_limits<double>::quiet_NaN();
             const double error =
                 stable ? rms_distance(end, column->end) / size_of(column->scene) : nan;
-            table->add({method, column->varied, column->value, seconds / steps,
+            table->add({method, column->varied, column->value, duration / steps,
                         stable ? "done" : "failed", error, limit / column->omega});
           }
         });

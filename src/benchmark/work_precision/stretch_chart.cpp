@@ -16,14 +16,14 @@
 namespace clothsim::work_precision {
 namespace {
 
-struct Series {
+struct StretchSeries {
   const char* name;
   Scene scene;
   int frames;
   int counted_from;  // first frame that counts
 };
 
-std::vector<Series> series(bool quick) {
+std::vector<StretchSeries> stretch_series(bool quick) {
   if (quick) return {{"sphere_drop", sphere_drop(8), 54, 45}};
   const int side = 25;
   return {{"sphere_drop", sphere_drop(side), 270, 90}, {"fold", fold(side), 270, 90}};
@@ -70,7 +70,7 @@ std::vector<Job> stretch_jobs(const Options& options) {
   auto table = std::make_shared<Table>(std::vector<std::string>{
       "scene", "columns", "from_s", "to_s", "method", "substeps", "status", "stretch", "share"});
   std::vector<Job> jobs;
-  for (const Series& s : series(options.quick)) {
+  for (const StretchSeries& s : stretch_series(options.quick)) {
     const int usual = run(simulator_of(at(s.scene, {VelocityVerlet::name, {}})), 1).substeps;
     for (const auto& [method, scene] : contenders(s.scene, usual)) {
       if (!wanted(options.methods, method)) continue;

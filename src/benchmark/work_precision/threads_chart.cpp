@@ -1,7 +1,6 @@
 // The time of a simulated second with one thread and with two.
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 
 #include "../cpu_time.h"
@@ -13,7 +12,7 @@
 namespace clothsim::work_precision {
 namespace {
 
-struct Series {
+struct ThreadSeries {
   const char* name;
   Scene (*scene)(int side);
   std::vector<int> sides;  // points along either side
@@ -23,7 +22,7 @@ struct Series {
 
 Scene limited_drop(int side) { return shipped_scene("pinned2", side); }
 
-std::vector<Series> series(bool quick) {
+std::vector<ThreadSeries> thread_series(bool quick) {
   if (quick) return {{"springs", corner_drop, {10}, 2, 0}};
   return {{"springs", corner_drop, {25, 50, 100, 200}, 45, 0},
           {"strain limit", limited_drop, {25, 50, 100, 200}, 45, 0},
@@ -32,10 +31,10 @@ std::vector<Series> series(bool quick) {
 
 /// Per simulated second [s]; the minimum of several runs, which is least affected by other work.
 struct Time {
-  double wall = std::numeric_limits<double>::infinity();
-  double cpu = std::numeric_limits<double>::infinity();
+  double wall = infinity;
+  double cpu = infinity;
 
-  void measure(const Series& s, const Scene& scene) {
+  void measure(const ThreadSeries& s, const Scene& scene) {
     Simulator simulator(scene);
     for (int frame = 0; frame < s.measured_from; ++frame) simulator.step();
     const double wall_start = wall_seconds();
@@ -53,7 +52,7 @@ std::vector<Job> threads_jobs(const Options& options) {
   auto table = std::make_shared<Table>(
       std::vector<std::string>{"scene", "side", "threads", "wall_ms_per_s", "cpu_ms_per_s"});
   std::vector<Job> jobs;
-  for (const Series& s : series(options.quick)) {
+  for (const ThreadSeries& s : thread_series(options.quick)) {
     for (const int side : s.sides) {
       jobs.push_back([=] {
         Time times[2];

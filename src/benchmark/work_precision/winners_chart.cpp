@@ -26,15 +26,15 @@ constexpr double longest = 8;  // of any run [CPU s]
 struct Cell {
   Trial trial;
   Reference reference;
-  double best = std::numeric_limits<double>::infinity();  // cheapest within `tightest`
-  std::set<std::string> exact;                            // methods within `tightest`
+  double best = infinity;       // cheapest within `tightest`
+  std::set<std::string> exact;  // methods within `tightest`
 };
 
 /// Measured costs by points a side, stiffness and index in the list of dials. A cloth of twice the
 /// points a side has four times the points, so that it costs at least four times as much.
 using Costs = std::map<std::tuple<int, double, std::size_t>, double>;
 
-struct Shared {
+struct Race {
   Table table{{"columns", "ks", "method", "substeps", "iterations", "status", "cost_ms_per_s",
                "position_error", "reference_order", "reference_uncertainty"}};
   Costs costs;
@@ -70,14 +70,14 @@ std::vector<Dial> cell_dials(const Scene& scene, bool quick) {
 }
 
 void add(const Cell& cell, const Dial& dial, const char* status, double cost, double error,
-         Shared& shared) {
+         Race& shared) {
   const ClothSpec& cloth = cell.trial.scene.cloth;
   shared.table.add({cloth.columns, cloth.material.ks, dial.method, dial.substeps.value_or(0),
                     dial.iterations.value_or(1), status, cost, error, cell.reference.order,
                     cell.reference.uncertainty.back()});
 }
 
-void race(Cell& cell, const Dial& dial, std::size_t place, Shared& shared) {
+void race(Cell& cell, const Dial& dial, std::size_t place, Race& shared) {
   if (cell.exact.count(dial.method) > 0) return;  // finer steps only cost more
   const ClothSpec& cloth = cell.trial.scene.cloth;
   const auto key = [&](int side) { return std::make_tuple(side, cloth.material.ks, place); };
@@ -104,7 +104,7 @@ void race(Cell& cell, const Dial& dial, std::size_t place, Shared& shared) {
 }  // namespace
 
 std::vector<Job> winners_jobs(const Options& options) {
-  auto shared = std::make_shared<Shared>();
+  auto shared = std::make_shared<Race>();
   std::vector<Job> jobs;
   for (const int side : options.quick ? std::vector{6} : std::vector{25, 50, 100, 200}) {
     for (const double ks :
