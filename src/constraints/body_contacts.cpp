@@ -97,7 +97,7 @@ std::vector<BodyTouch> BodyContacts::find(const std::vector<MovingCollider>& col
     return (bodies.is_body(a) || bodies.is_body(b)) && !bodies.are_of_one(a, b) &&
            setup_->may_touch(a, b);
   };
-  const double reach = bodies.longest_way(h_) + penetration_slop;
+  const double reach = bodies.longest_displacement(h_) + penetration_slop;
   std::vector<BodyTouch> touches = setup_->collisions.find(colliders, reach, may_touch);
   for (const BodyTouch& t : find_places(reach)) {
     if (may_touch(t.a, t.b)) touches.push_back(t);
@@ -162,10 +162,10 @@ void BodyContacts::warm_start(double scale, double radius, PairContact& c) {
   double least = same_place * radius;
   for (PairContact& other : last_) {
     if (other.touch.a != c.touch.a || other.touch.b != c.touch.b) continue;
-    const double way = (other.local - c.local).norm();
-    if (way >= least || other.impulse.normal_impulse == 0) continue;
+    const double distance = (other.local - c.local).norm();
+    if (distance >= least || other.impulse.normal_impulse == 0) continue;
     nearest = &other;
-    least = way;
+    least = distance;
   }
   if (!nearest) return;
   c.impulse.keep(nearest->impulse);

@@ -48,7 +48,7 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
   for (int k = 0; k < static_cast<int>(colliders.size()); ++k) {
     ColliderCache& s = cache(k);
     s.slots.start_over();
-    s.way_out.reset();
+    s.exit_direction.reset();
     s.near.clear();
     s.has_faces = false;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
@@ -74,7 +74,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   // Nothing farther away can touch it.
   const Clearance keeps = clearance(collider.shape(), cloth, step.stretch, has_pinched_);
   const double of_surface = s.moved / step.h;
-  const double margin = step.h * (speed + of_surface) + step.way + keeps.points;
+  const double margin = step.h * (speed + of_surface) + step.undetected + keeps.points;
   const double to_middle = step.displacement_factor * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
   if (keeps.faces && std::isinf(local_.edge)) {
@@ -108,9 +108,10 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     }
   }
   if (s.has_faces) {
-    faces_.find({penetration.collider, collider, cloth, step, margin - step.way,
-                 step.way > 0 ? near : margin, motion_bound_.total() + s.sleep_bounds.moved(),
-                 step.h * (speed + of_surface), local_, state, penetration.faces});
+    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected,
+                 step.undetected > 0 ? near : margin,
+                 motion_bound_.total() + s.sleep_bounds.moved(), step.h * (speed + of_surface),
+                 local_, state, penetration.faces});
   }
 }
 
@@ -177,8 +178,8 @@ void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies*
   }
 }
 
-Asked ColliderContacts::ColliderCache::asked(const MovingCollider& collider, const Cloth& cloth,
-                                             double distance) {
+MeshQuery ColliderContacts::ColliderCache::asked(const MovingCollider& collider, const Cloth& cloth,
+                                                 double distance) {
   if (!std::holds_alternative<MeshShape>(collider.shape())) return {};
   neighbourhoods.resize(static_cast<std::size_t>(cloth.num_points()));
   return {distance, neighbourhoods.data()};

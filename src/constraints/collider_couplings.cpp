@@ -63,8 +63,8 @@ void ColliderContacts::leave_out_passing(ColliderCache& s, const MovingCollider&
     for (int i = ContactSlots::first_of(b); i < ContactSlots::end_of(b, cloth); ++i) {
       if (!s.slots.touches(i) || s.slots.has_impulse(i)) continue;
       const Vector3 x = row(state.positions, i);
-      const Vector3 way = step.h * (row(state.velocities, i) - collider.velocity_at(x));
-      const Vector3 end = to_local(collider.pose(), x + way);
+      const Vector3 displacement = step.h * (row(state.velocities, i) - collider.velocity_at(x));
+      const Vector3 end = to_local(collider.pose(), x + displacement);
       const double keeps = s.keeps - cloth.nearer_by(i);
       if (signed_distance(collider.shape(), end, end).value >= keeps - passing_depth) {
         s.slots.remove(i);

@@ -11,9 +11,9 @@ namespace {
 /// velocity against that displacement beyond its motion from `start` in the step of h [s].
 void end_undone_motion(double h, const Points& start, const Points& before, State& state) {
   for (Eigen::Index i = 0; i < before.rows(); ++i) {
-    const Eigen::RowVector3d way = state.positions.row(i) - before.row(i);
-    if (way.isZero(0)) continue;
-    const Eigen::RowVector3d direction = way.normalized();
+    const Eigen::RowVector3d displacement = state.positions.row(i) - before.row(i);
+    if (displacement.isZero(0)) continue;
+    const Eigen::RowVector3d direction = displacement.normalized();
     const double moved = direction.dot(state.positions.row(i) - start.row(i));
     const double lacking = std::min(0.0, moved / h) - direction.dot(state.velocities.row(i));
     if (lacking > 0) state.velocities.row(i) += lacking * direction;
@@ -35,7 +35,7 @@ void ColliderContacts::project_positions(const std::vector<MovingCollider>& coll
 
 void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const Points& start, Points& positions) {
-  motion_bound_.add(longest_way(start, positions));
+  motion_bound_.add(longest_displacement(start, positions));
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     ColliderCache& s = caches_[k];
     if (s.near.empty()) continue;
@@ -53,10 +53,10 @@ void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders
   motion_bound_.end(positions);
 }
 
-void ColliderContacts::moved_out(std::size_t collider, double way) {
-  motion_bound_.add(way);
+void ColliderContacts::moved_out(std::size_t collider, double displacement) {
+  motion_bound_.add(displacement);
   // It may have been moved into another one.
-  for (std::size_t other = 0; other < collider && way >= penetration_slop; ++other) {
+  for (std::size_t other = 0; other < collider && displacement >= penetration_slop; ++other) {
     caches_[other].is_clear = false;
   }
 }
@@ -89,13 +89,13 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
     const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
     double free[Span::longest * ContactSlots::block], min_distances[Span::longest];
     if (s.is_close || pinches_.count() > 0) {
-      const double way = project_closely(s, span, detector, cloth, start, positions, free);
-      longest = std::max(longest, way);
+      const double displacement = project_closely(s, span, detector, cloth, start, positions, free);
+      longest = std::max(longest, displacement);
       can_move = free;
     }
-    const double way =
+    const double displacement =
         ContactSlots::project_positions(span, detector, can_move, start, positions, min_distances);
-    longest = std::max(longest, way);
+    longest = std::max(longest, displacement);
     for (int b = span.begin; b < span.end; ++b) {
       const double nearest = min_distances[b - span.begin];
       if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest, motion_bound_.total());
@@ -112,7 +112,7 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
 double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& collider,
                                        const Cloth& cloth, const Points& start, Points& positions) {
   std::vector<char> held = pinches_.held();
-  if (s.way_out) {
+  if (s.exit_direction) {
     held.resize(s.leaves.size());
     std::transform(held.begin(), held.end(), s.leaves.begin(), held.begin(),
                    [](char a, char b) { return a | b; });

@@ -63,9 +63,10 @@ double depth_before(const Shape& shape, const Vector3& from) {
 
 /// Direction in which a piece of cloth with the points `held` leaves a solid about the origin:
 /// normal to the piece, away from the predicted middle of the piece. On its way out it does not
-/// turn back as the middle passes through. `ways`: displacements of points in a step of h [s].
-Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& ways, double h,
-                      const std::vector<char>& held) {
+/// turn back as the middle passes through. `displacements`: displacements of points in a step of h
+/// [s].
+Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& displacements,
+                      double h, const std::vector<char>& held) {
   Vector3 normal(0, 0, 0), middle(0, 0, 0);
   for (const auto& [a, b, c] : cloth.triangles) {
     if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
@@ -76,7 +77,7 @@ Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& wa
   }
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!held[static_cast<std::size_t>(i)]) continue;
-    middle += row(points, i) + recovery_time / h * row(ways, i);
+    middle += row(points, i) + recovery_time / h * row(displacements, i);
   }
   if (normal.norm() == 0) normal = middle;
   if (normal.norm() == 0) normal = Vector3::UnitZ();
@@ -239,11 +240,11 @@ void ColliderContacts::escape(const Penetration& penetration, const MovingCollid
     }
   }
   local_.place(collider, step.start, positions);
-  s.way_out = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
+  s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   s.is_close = true;
 
   // All its points leave that way, those outside too.
-  const Vector3 direction = collider.pose().orientation * *s.way_out;
+  const Vector3 direction = collider.pose().orientation * *s.exit_direction;
   const bool is_body =
       step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
   const double speed = is_body ? 0 : step.recovery_factor * recovery_speed;
@@ -265,9 +266,9 @@ double ColliderContacts::project_closely(ColliderCache& s, const Span& span,
     double& is_free = free[i - first];
     is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
     if (!s.is_close || is_free == 0) continue;
-    const auto way = project_closely(s, i, detector, start, positions);
-    if (!way) continue;
-    longest = std::max(longest, *way);
+    const auto displacement = project_closely(s, i, detector, start, positions);
+    if (!displacement) continue;
+    longest = std::max(longest, *displacement);
     is_free = 0;
   }
   return longest;
@@ -283,9 +284,9 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const auto entry = swept_entry(collider, from, to, offset);
   if (entry) to = entry->end;
   const Distance d = signed_distance(collider.shape(), to, from);
-  if (s.way_out && s.leaves[static_cast<std::size_t>(i)]) {
-    const double way = s.way_out->dot(to - from);
-    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - way) * *s.way_out;
+  if (s.exit_direction && s.leaves[static_cast<std::size_t>(i)]) {
+    const double displacement = s.exit_direction->dot(to - from);
+    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - displacement) * *s.exit_direction;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;
@@ -295,9 +296,9 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= penetration_slop;
   const Vector3 end = to_world(collider.pose(), to);
-  const double way = (end - row(positions, i)).norm();
+  const double displacement = (end - row(positions, i)).norm();
   positions.row(i) = end.transpose();
-  return way;
+  return displacement;
 }
 
 }  // namespace clothsim

@@ -22,11 +22,11 @@ struct SolidMotion {
 };
 
 /// The places for the detection of contact. For a point with an impulse: where it lies when
-/// impulses act, as if it followed the surface from there on, `way` [s] back along the velocity
-/// that brought it to x. For others, which may still pass by: x.
+/// impulses act, as if it followed the surface from there on, `impulse_time` [s] back along the
+/// velocity that brought it to x. For others, which may still pass by: x.
 CLOTHSIM_TARGET_CLONES
-void go_back(int count, double way, const SolidMotion& motion, PointRun x, PointRun drifted,
-             Block* slots, MutablePointRun from) {
+void go_back(int count, double impulse_time, const SolidMotion& motion, PointRun x,
+             PointRun drifted, Block* slots, MutablePointRun from) {
   const Vector3 v = motion.velocity, w = motion.angular, origin = motion.origin;
   for (int first = 0; first < count; first += block_size, ++slots) {
     Block& s = *slots;
@@ -36,7 +36,7 @@ void go_back(int count, double way, const SolidMotion& motion, PointRun x, Point
       const double ux = v[0] + (w[1] * rz - w[2] * ry);
       const double uy = v[1] + (w[2] * rx - w[0] * rz);
       const double uz = v[2] + (w[0] * ry - w[1] * rx);
-      const double back = s.normal_impulse[lane] > 0 ? way : 0;
+      const double back = s.normal_impulse[lane] > 0 ? impulse_time : 0;
       s.surface.x[lane] = ux;
       s.surface.y[lane] = uy;
       s.surface.z[lane] = uz;
@@ -49,9 +49,9 @@ void go_back(int count, double way, const SolidMotion& motion, PointRun x, Point
 
 /// Data of some points for the detection of contact.
 struct Approach {
-  double h;       // [s]
-  double way;     // [s] see go_back()
-  double offset;  // distance that points keep from the surface [m]
+  double h;             // [s]
+  double impulse_time;  // [s] see go_back()
+  double offset;        // distance that points keep from the surface [m]
   const double* inv_mass;
   const double* distance;  // [m]
   PointRun normal;
@@ -64,7 +64,7 @@ struct Approach {
 /// such points by block.
 CLOTHSIM_TARGET_CLONES
 void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
-  const double h = a.h, way = a.way, offset = a.offset;
+  const double h = a.h, impulse_time = a.impulse_time, offset = a.offset;
   const PointRun n = a.normal, v = a.velocity, drifted = a.drifted;
   const double *const inv_mass = a.inv_mass, *const distance = a.distance;
   for (int first = 0; first < count; first += block_size, ++slots, ++touching) {
@@ -77,7 +77,7 @@ void mark_touching(int count, const Approach& a, Block* slots, long* touching) {
       const double drift = n.x[i] * (drifted.x[i] - ux) + n.y[i] * (drifted.y[i] - uy) +
                            n.z[i] * (drifted.z[i] - uz);
       const bool held = s.normal_impulse[lane] > 0;
-      const double gap = distance[i] - offset - (held ? 0 : way * drift);
+      const double gap = distance[i] - offset - (held ? 0 : impulse_time * drift);
       const double target = -(gap > 0 ? gap : 0) / h;
       // Other constraints may still push a point on the surface into it.
       const bool touches = (inv_mass[i] > 0) & (held | (rate < target) | (gap <= 0));
@@ -199,11 +199,11 @@ void lift_out(int count, double offset, const double* free, const double* distan
     for_each_lane(std::min(block_size, count - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double missing = offset - distance[i];
-      const double way = (free[i] > 0) & (missing > 0) ? missing : 0;
-      x.x[i] += way * n.x[i];
-      x.y[i] += way * n.y[i];
-      x.z[i] += way * n.z[i];
-      highest[lane] = way > highest[lane] ? way : highest[lane];
+      const double push = (free[i] > 0) & (missing > 0) ? missing : 0;
+      x.x[i] += push * n.x[i];
+      x.y[i] += push * n.y[i];
+      x.z[i] += push * n.z[i];
+      highest[lane] = push > highest[lane] ? push : highest[lane];
     });
   }
 }
@@ -223,7 +223,7 @@ struct SpanDistances {
 }  // namespace
 
 ContactSlots::Detector::Detector(const MovingCollider& c, const Cloth& all, double kept,
-                                 const Asked& a)
+                                 const MeshQuery& a)
     : collider(c), cloth(all), frame(c.pose()), before(c.previous()), offset(kept), asked_(a) {}
 
 void ContactSlots::Detector::add_nearer(int first, int count, double* distances) const {
@@ -231,7 +231,7 @@ void ContactSlots::Detector::add_nearer(int first, int count, double* distances)
   for (int i = 0; i < count; ++i) distances[i] += cloth.nearer_by(first + i);
 }
 
-Asked ContactSlots::Detector::asked(int first) const {
+MeshQuery ContactSlots::Detector::asked(int first) const {
   return {asked_.near, asked_.neighbourhoods ? asked_.neighbourhoods + first : nullptr};
 }
 
@@ -248,11 +248,12 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
                         const ContactStep& step, const State& state, double* nearest) {
   const int first = first_of(span.begin), count = end_of(span.end - 1) - first;
   const MovingCollider& collider = detector.collider;
-  const double way = step.displacement_factor * step.h;
+  const double impulse_time = step.displacement_factor * step.h;
   const PointRun drifted = run_from(step.drifted, first);
   double x[SpanDistances::capacity], y[SpanDistances::capacity], z[SpanDistances::capacity];
   SpanDistances distances;
-  go_back(count, way, {collider.velocity(), collider.angular_velocity(), detector.frame.origin},
+  go_back(count, impulse_time,
+          {collider.velocity(), collider.angular_velocity(), detector.frame.origin},
           run_from(state.positions, first), drifted, &at(span.begin), {x, y, z});
   signed_distances(collider.shape(), detector.frame, {x, y, z}, detector.before,
                    run_from(step.start, first), count, detector.asked(first), distances.value,
@@ -263,7 +264,7 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
   detector.add_nearer(first, count, distances.value);
   long touching[Span::longest];
   mark_touching(count,
-                {step.h, way, detector.offset, &cloth.inv_mass[first], distances.value,
+                {step.h, impulse_time, detector.offset, &cloth.inv_mass[first], distances.value,
                  distances.normals(), run_from(state.velocities, first), drifted},
                 &at(span.begin), touching);
   for (int b = span.begin; b < span.end; ++b) {

@@ -23,7 +23,7 @@ struct TruncationBounds {
 
   /// Displacement of their points in any direction, at most [m]: if both move by it, they end at
   /// the floor. Features that start nearer than any can come have no side to be kept on.
-  double way(double distance) const {
+  double max_displacement(double distance) const {
     return distance < floor / 2 ? infinity : std::max(distance - floor, 0.0) / 2;
   }
 
@@ -81,11 +81,12 @@ class Zones {
   void join_all() { std::fill(next_.begin(), next_.end(), 0); }
 
   /// For each point, the displacement of its zone.
-  Points common_ways(const Cloth& cloth, const ContactStep& step, const Points& ways) {
-    const auto count = static_cast<int>(ways.rows());
+  Points common_displacements(const Cloth& cloth, const ContactStep& step,
+                              const Points& displacements) {
+    const auto count = static_cast<int>(displacements.rows());
     const auto holds = [&](int i) {
       const auto number = static_cast<std::size_t>(i);
-      const bool is_pinched = step.held && number < step.held->size() && (*step.held)[number];
+      const bool is_pinched = step.pinched && number < step.pinched->size() && (*step.pinched)[number];
       return cloth.inv_mass[i] == 0 || is_pinched;
     };
     std::vector<bool> is_held(next_.size(), false);
@@ -97,7 +98,7 @@ class Zones {
     for (int i = 0; i < count; ++i) {
       const bool in_held = is_held[static_cast<std::size_t>(of(i))];
       const double weight = !in_held ? cloth.mass[i] : holds(i) ? 1 : 0;
-      sums.row(of(i)) += weight * ways.row(i);
+      sums.row(of(i)) += weight * displacements.row(i);
       weights[of(i)] += weight;
     }
     Points common(count, 3);
@@ -118,11 +119,11 @@ Leg bounded(const Cloth& cloth, const ContactStep& step, const Points& here,
   const auto count = static_cast<int>(here.rows());
   Leg leg{positions, Scalars::Ones(count)};
   if (bounds.minCoeff() == infinity) return leg;
-  const Points ways = positions - here;
+  const Points displacements = positions - here;
   Points common = Points::Zero(count, 3);
-  if (zones) common = zones->common_ways(cloth, step, ways);
+  if (zones) common = zones->common_displacements(cloth, step, displacements);
   for (int i = 0; i < count; ++i) {
-    const Eigen::RowVector3d beyond = ways.row(i) - common.row(i);
+    const Eigen::RowVector3d beyond = displacements.row(i) - common.row(i);
     const double length = beyond.norm();
     if (length <= bounds[i]) continue;
     leg.shares[i] = bounds[i] / length;
@@ -150,7 +151,7 @@ Leg leg_towards(const Cloth& cloth, const ContactStep& step,
       const NearPair& near = near_pairs[k];
       if (binds[k] || leave(near, gaps[k], here, leg.ends)) continue;
       binds[k] = has_bound = true;
-      const double max_step = truncation.way(near.separation.distance);
+      const double max_step = truncation.max_displacement(near.separation.distance);
       for (const int i : near.pair.points) {
         bounds[i] = std::min(bounds[i], max_step);
         zones.join(i, near.pair.points[0]);
@@ -164,7 +165,7 @@ Leg leg_towards(const Cloth& cloth, const ContactStep& step,
 /// whether it does.
 bool narrow(const NearPairs& finder, const TruncationBounds& truncation, double& unseen) {
   if (finder.max_approach() <= finder.sees() || unseen < infinity) return false;
-  unseen = truncation.way(finder.sees());
+  unseen = truncation.max_displacement(finder.sees());
   return true;
 }
 

@@ -13,9 +13,9 @@ Triangle to_world(const Pose& pose, Triangle t) {
 }
 
 /// May a point have passed through the shape in one step?
-bool is_fast(const Shape& shape, const Vector3& way) {
+bool is_fast(const Shape& shape, const Vector3& displacement) {
   const double depth = safe_depth(shape);
-  return way.squaredNorm() > depth * depth;
+  return displacement.squaredNorm() > depth * depth;
 }
 
 }  // namespace

@@ -61,11 +61,11 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
                           ContactList::Last& last) {
   if (!near.is_beside) return false;
   const Corners& corners = at.cloth.triangles[static_cast<std::size_t>(near.triangle)];
-  Triangle way = clothsim::triangle_of(at.local.middle, corners);
+  Triangle displacements = clothsim::triangle_of(at.local.middle, corners);
   double longest2 = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    way[k] -= near.corners[k];
-    longest2 = std::max(longest2, way[k].squaredNorm());
+    displacements[k] -= near.corners[k];
+    longest2 = std::max(longest2, displacements[k].squaredNorm());
   }
   // The distance from an edge or a tip bends by 1 / distance.
   if (longest2 > 2 * followed_error * near.distance) return false;
@@ -73,7 +73,8 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
     if (!near.touching[i]) continue;
     FaceDistance now = *near.touching[i];
     const CornerWeights& w = now.weights;
-    now.value += now.normal.dot(w[0] * way[0] + w[1] * way[1] + w[2] * way[2]);
+    now.value +=
+        now.normal.dot(w[0] * displacements[0] + w[1] * displacements[1] + w[2] * displacements[2]);
     const std::uint64_t key = key_of(at.number, near.triangle, i);
     add(at, key, last.of(key), now, false, 0);
   }

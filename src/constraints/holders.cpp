@@ -221,9 +221,9 @@ void Holders::warm_start(const Cloth& cloth, const ContactStep& step, State& sta
     p.carried = velocity_now(p);
     const Vector3 x =
         row(state.positions, i) - step.displacement_factor * step.h * row(step.drifted, i);
-    const Vector3 way = place_now(p) - x;
-    const double distance = way.norm();
-    p.want = distance > 0 ? Vector3(std::min(1 / return_time, recovery_speed / distance) * way)
+    const Vector3 to_place = place_now(p) - x;
+    const double distance = to_place.norm();
+    p.want = distance > 0 ? Vector3(std::min(1 / return_time, recovery_speed / distance) * to_place)
                           : Vector3::Zero();
     p.impulse = clamped(scale * p.impulse, p.max_force * time_);
     state.velocities.row(i) += cloth.inv_mass[i] * p.impulse.transpose();

@@ -20,11 +20,12 @@ Matrix3 in_world(const Matrix3& tensor, const Eigen::Quaterniond& orientation) {
   return turn * tensor * turn.transpose();
 }
 
-/// A pose displaced by `way` [m] and turned by a vector of axis times angle about the point
-/// `center` of its frame.
-Pose moved(const Pose& pose, const Vector3& center, const Vector3& way, const Vector3& turn) {
+/// A pose displaced by `displacement` [m] and turned by a vector of axis times angle about the
+/// point `center` of its frame.
+Pose moved(const Pose& pose, const Vector3& center, const Vector3& displacement,
+           const Vector3& turn) {
   const Eigen::Quaterniond orientation = turned(pose.orientation, turn);
-  return {to_world(pose, center) + way - orientation * center, orientation};
+  return {to_world(pose, center) + displacement - orientation * center, orientation};
 }
 
 bool is_slider(const std::optional<Joint>& joint) {
@@ -162,9 +163,9 @@ void RigidBodies::set_velocity(std::size_t k, const Vector3& velocity,
 
 /// The pose of a body with a joint at a displacement of it.
 Pose RigidBodies::on_joint(const Body& body, double displacement) {
-  const Vector3 way = displacement * body.joint->axis;
-  if (is_slider(body.joint)) return {body.start.position + way, body.start.orientation};
-  return moved(body.start, to_local(body.start, body.joint->point), Vector3::Zero(), way);
+  const Vector3 along = displacement * body.joint->axis;
+  if (is_slider(body.joint)) return {body.start.position + along, body.start.orientation};
+  return moved(body.start, to_local(body.start, body.joint->point), Vector3::Zero(), along);
 }
 
 /// The displacement within its limits at which a joint is nearest to a pose; of the turns of a
@@ -172,8 +173,8 @@ Pose RigidBodies::on_joint(const Body& body, double displacement) {
 double RigidBodies::nearest_displacement(const Body& body, const Pose& pose) {
   const Joint& joint = *body.joint;
   if (is_slider(body.joint)) {
-    const double way = joint.axis.dot(pose.position - body.start.position);
-    return std::clamp(way, joint.lower, joint.upper);
+    const double displacement = joint.axis.dot(pose.position - body.start.position);
+    return std::clamp(displacement, joint.lower, joint.upper);
   }
   constexpr double turn = 2 * M_PI;
   const Eigen::Quaterniond turned = pose.orientation * body.start.orientation.conjugate();
@@ -208,8 +209,8 @@ void RigidBodies::move_freely(Body& body, RigidMotion& motion, double h, const V
   const Vector3 momentum = in_world(body.inertia, from.orientation) * motion.angular_velocity;
   const Eigen::Quaterniond halfway = turned(from.orientation, h / 2 * motion.angular_velocity);
   const Vector3 turning = in_world(body.inv_inertia, halfway) * momentum;
-  const Vector3 way = h * motion.velocity + displacement_factor * h * h * gravity;
-  body.pose = moved(from, body.center, way, h * turning);
+  const Vector3 displacement = h * motion.velocity + displacement_factor * h * h * gravity;
+  body.pose = moved(from, body.center, displacement, h * turning);
   motion.least_inv_mass = 1 / body.mass;
   motion.inv_mass = motion.least_inv_mass * Matrix3::Identity();
   motion.inv_inertia = in_world(body.inv_inertia, body.pose.orientation);
@@ -320,7 +321,7 @@ double RigidBodies::fastest_surface() const {
   return fastest;
 }
 
-double RigidBodies::longest_way(double h) const {
+double RigidBodies::longest_displacement(double h) const {
   double fastest = 0, slower = 0;  // the two fastest surfaces
   for (std::size_t k = 0; k < motions_.size(); ++k) {
     const double speed = speed_of_surface(k);
@@ -332,18 +333,19 @@ double RigidBodies::longest_way(double h) const {
 
 void RigidBodies::end_motion(Body& body, RigidMotion& motion, double h, const RigidMotion& push,
                              Pose& pose) {
-  const Vector3 way = displacement_factor * h * (motion.velocity - body.velocity) + push.velocity;
+  const Vector3 displacement =
+      displacement_factor * h * (motion.velocity - body.velocity) + push.velocity;
   const Vector3 turn =
       displacement_factor * h * (motion.angular_velocity - body.turning) + push.angular_velocity;
   if (body.joint) {
     const Joint& joint = *body.joint;
-    const double more = joint.axis.dot(is_slider(body.joint) ? way : turn);
+    const double more = joint.axis.dot(is_slider(body.joint) ? displacement : turn);
     body.displacement = std::clamp(body.at_impulses + more, joint.lower, joint.upper);
     pose = on_joint(body, body.displacement);
     if (is_slider(body.joint)) motion.center = to_world(pose, body.center);
     return;
   }
-  pose = moved(body.pose, body.center, way, turn);
+  pose = moved(body.pose, body.center, displacement, turn);
   const Vector3 momentum = in_world(body.inertia, body.pose.orientation) * motion.angular_velocity;
   motion.angular_velocity = in_world(body.inv_inertia, pose.orientation) * momentum;
   motion.center = to_world(pose, body.center);

@@ -23,13 +23,14 @@ double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 void MotionBound::begin(const Points& start, const Points& now) {
   const bool is_known = seen_.rows() == start.rows();
-  between_steps_ = !is_known ? infinity : (are_same(seen_, start) ? 0 : longest_way(seen_, start));
+  between_steps_ =
+      !is_known ? infinity : (are_same(seen_, start) ? 0 : longest_displacement(seen_, start));
   at_start_ = total_ + (is_known ? between_steps_ : 0);
   update(start, now);
 }
 
 void MotionBound::update(const Points& start, const Points& now) {
-  in_step_ = longest_way(start, now);
+  in_step_ = longest_displacement(start, now);
   total_ = at_start_ + in_step_;
 }
 

@@ -188,13 +188,14 @@ void StrainLimit::warm_start(double h, double displacement_factor, State& state,
         warm_start_springs(scale, count, &active_[begin], &velocity_impulses_[first],
                            &masses_[first], given_.data());
       });
-  const double way = displacement_factor * h;
+  const double impulse_time = displacement_factor * h;
   for_each_point(touched_, workers, [&](std::size_t i, int point) {
     const Quad& given = given_[i];
     const Quad v = quad(state.velocities, point);
     const Quad x = quad(state.positions, point);
     warm_started_[i] = {v.x + given.x, v.y + given.y, v.z + given.z, 0};
-    positions_[i] = {x.x + way * given.x, x.y + way * given.y, x.z + way * given.z, 0};
+    positions_[i] = {x.x + impulse_time * given.x, x.y + impulse_time * given.y,
+                     x.z + impulse_time * given.z, 0};
     set_row(state.velocities, point, warm_started_[i]);
     set_row(state.positions, point, positions_[i]);
   });
@@ -333,7 +334,7 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
   // A step that needs more passes is a different problem.
   momentum_ = passes.count == min_passes ? momentum.strength() : 1;
 
-  const double way = step_.displacement_factor * step_.h;
+  const double impulse_time = step_.displacement_factor * step_.h;
   struct Longest {
     double way2 = 0;
   };
@@ -343,7 +344,8 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
         for (std::size_t i = index(begin); i < index(end); ++i) {
           const Quad &v = velocities_[i], &from = warm_started_[i];
           Quad& x = positions_[i];
-          const Quad move{way * (v.x - from.x), way * (v.y - from.y), way * (v.z - from.z), 0};
+          const Quad move{impulse_time * (v.x - from.x), impulse_time * (v.y - from.y),
+                          impulse_time * (v.z - from.z), 0};
           x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};
           set_row(state.positions, touched_[i], x);
           longest.way2 =

@@ -102,9 +102,9 @@ struct Carriers {
   PointRun before;  // velocities as the step began
   const double* mass;
   const double* stiffness;
-  double way;    // time back to where impulses acted [s]
-  double time2;  // inertia per stiffness [s^2]
-  double decay;  // of velocities by drag in the step
+  double impulse_time;  // time back to where impulses acted [s]
+  double time2;         // inertia per stiffness [s^2]
+  double decay;         // of velocities by drag in the step
   Vector3 origin;
 };
 
@@ -117,9 +117,9 @@ void add_up(int count, const Carriers& c, Body& sums) {
     for_each_lane(std::min(num_lanes, count - first), [&](int lane) CLOTHSIM_INLINE {
       const int i = first + lane;
       const double vx = c.v.x[i], vy = c.v.y[i], vz = c.v.z[i];
-      const double x = c.x.x[i] - ox - c.way * vx;
-      const double y = c.x.y[i] - oy - c.way * vy;
-      const double z = c.x.z[i] - oz - c.way * vz;
+      const double x = c.x.x[i] - ox - c.impulse_time * vx;
+      const double y = c.x.y[i] - oy - c.impulse_time * vy;
+      const double z = c.x.z[i] - oz - c.impulse_time * vz;
       const double m = c.mass[i], more = c.time2 * c.stiffness[i];
       const double px = more * (vx - c.decay * c.before.x[i]);
       const double py = more * (vy - c.decay * c.before.y[i]);
@@ -152,23 +152,23 @@ void add_up(int count, const Carriers& c, Body& sums) {
 /// Adds velocities shift + turn x (middle - origin) to points, and the displacements by these.
 CLOTHSIM_TARGET_CLONES
 void move_rigidly(int count, const Vector3& shift, const Vector3& turn, const Vector3& origin,
-                  double way, MutablePointRun x, MutablePointRun v) {
+                  double impulse_time, MutablePointRun x, MutablePointRun v) {
   const double wx = turn.x(), wy = turn.y(), wz = turn.z();
   const double sx = shift.x(), sy = shift.y(), sz = shift.z();
   const double ox = origin.x(), oy = origin.y(), oz = origin.z();
   for_each_lane(count, [&](int i) CLOTHSIM_INLINE {
-    const double ax = x.x[i] - ox - way * v.x[i];
-    const double ay = x.y[i] - oy - way * v.y[i];
-    const double az = x.z[i] - oz - way * v.z[i];
+    const double ax = x.x[i] - ox - impulse_time * v.x[i];
+    const double ay = x.y[i] - oy - impulse_time * v.y[i];
+    const double az = x.z[i] - oz - impulse_time * v.z[i];
     const double gx = sx + wy * az - wz * ay;
     const double gy = sy + wz * ax - wx * az;
     const double gz = sz + wx * ay - wy * ax;
     v.x[i] += gx;
     v.y[i] += gy;
     v.z[i] += gz;
-    x.x[i] += way * gx;
-    x.y[i] += way * gy;
-    x.z[i] += way * gz;
+    x.x[i] += impulse_time * gx;
+    x.y[i] += impulse_time * gy;
+    x.z[i] += impulse_time * gz;
   });
 }
 
@@ -199,12 +199,12 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
   if (!is_free_) return;
   is_free_ = false;
   const int count = cloth.num_points();
-  const double way = displacement_factor * h;
+  const double impulse_time = displacement_factor * h;
   const Vector3 origin = row(state.positions, 0);
   Body body;
   add_up(count,
          {run_from(state.positions, 0), run_from(state.velocities, 0),
-          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), way,
+          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), impulse_time,
           added_inertia * h * h, std::exp(-cloth.damping * h), origin},
          body);
 
@@ -220,8 +220,8 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
   spread -= mass_ * centre * centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
   const Vector3 turn = inertia.completeOrthogonalDecomposition().solve(angular);
-  move_rigidly(count, momentum / mass_, turn, origin + centre, way, run_from(state.positions, 0),
-               run_from(state.velocities, 0));
+  move_rigidly(count, momentum / mass_, turn, origin + centre, impulse_time,
+               run_from(state.positions, 0), run_from(state.velocities, 0));
 }
 
 double TensionInertia::mass_ratio(double h) const {

@@ -40,9 +40,9 @@ std::optional<Contact> TouchFinder::contact_of(const Query& query, const NearPai
 
   // A cheap check that excludes most pairs.
   const Vector3& last_normal = near.separation.normal;
-  const double way = query.ahead * -gap_along(last_normal, pair, query.velocities);
+  const double approach = query.ahead * -gap_along(last_normal, pair, query.velocities);
   const double last_gap = gap_along(last_normal, pair, query.middle) - pair.nearest;
-  if (!last && last_gap > 0 && way < last_gap) return {};
+  if (!last && last_gap > 0 && approach < last_gap) return {};
 
   // The pair where impulses act; if its features have crossed by then, with the direction before.
   Separation s = separation(pair, query.middle);
@@ -86,7 +86,7 @@ void TouchFinder::look(const ContactStep& step) {
   looked_at_ = step.detected_at ? *step.detected_at : step.start;
   near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
   time_ = step.since - step.h;
-  way_ = 0;
+  displacement_ = 0;
 }
 
 void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
@@ -141,11 +141,11 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   if (looked_at_.rows() == 0) {  // the path until now has been checked
     looked_at_ = step.start;
     time_ = step.since;
-    way_ = 0;
+    displacement_ = 0;
   }
-  const double last = way_;
-  way_ = longest_beyond_mean(looked_at_, state.positions);
-  const double next = way_ + (way_ - last);
+  const double last = displacement_;
+  displacement_ = longest_beyond_mean(looked_at_, state.positions);
+  const double next = displacement_ + (displacement_ - last);
   if (step.left > step.h && next <= unseen_way * near_.min_nearest()) return 0;
 
   int truncated = 0;
@@ -159,7 +159,7 @@ int TouchFinder::guard_path(const Cloth& cloth, const ContactStep& step, const P
                             State& state) {
   ContactStep whole{time_, step.displacement_factor, looked_at_, step.drifted, step.workers};
   whole.budget = step.budget;
-  whole.held = step.held;
+  whole.pinched = step.pinched;
   return keep_from_crossing(cloth, whole, by_impulses, near_, state);
 }
 

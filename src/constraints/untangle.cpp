@@ -16,7 +16,7 @@ constexpr int max_passes = 200;
 
 /// Displacement of a point in a pass towards the surface that it crosses, at most, of the shortest
 /// edge: small relative to the distance between one layer and the next but one.
-constexpr double max_way = 0.2;
+constexpr double max_displacement = 0.2;
 
 /// Displacement of such a point beyond that surface, of the shortest edge: it ends clearly on its
 /// own side.
@@ -91,32 +91,34 @@ class PartCounter {
 };
 
 /// Displacements of points, each the mean of the requested ones.
-class Ways {
+class Displacements {
  public:
-  explicit Ways(const Cloth& cloth)
+  explicit Displacements(const Cloth& cloth)
       : cloth_(cloth),
         sums_(Points::Zero(cloth.num_points(), 3)),
         weights_(Scalars::Zero(cloth.num_points())) {}
 
-  /// Requests `way` [m] of a point relative to a place on a triangle, divided by inverse mass.
+  /// Requests `displacement` [m] of a point relative to a place on a triangle, divided by inverse
+  /// mass.
   void ask(int point, const std::array<int, 3>& triangle, const std::array<double, 3>& weights,
-           const Vector3& way) {
+           const Vector3& displacement) {
     double mobility = cloth_.inv_mass[point];
     for (std::size_t k = 0; k < 3; ++k) {
       mobility += weights[k] * weights[k] * cloth_.inv_mass[triangle[k]];
     }
     if (mobility == 0) return;
-    add(point, 1, way / mobility);
-    for (std::size_t k = 0; k < 3; ++k) add(triangle[k], weights[k], -way / mobility);
+    add(point, 1, displacement / mobility);
+    for (std::size_t k = 0; k < 3; ++k) add(triangle[k], weights[k], -displacement / mobility);
   }
 
   /// The displacements of all points, with those beside the requested ones.
   Points spread(const SurfaceEdges& surface) const {
-    Points ways = sums_;
-    for (int i = 0; i < ways.rows(); ++i) ways.row(i) /= std::max(1.0, weights_[i]);
+    Points displacements = sums_;
+    for (int i = 0; i < displacements.rows(); ++i)
+      displacements.row(i) /= std::max(1.0, weights_[i]);
     for (int round = 0; round < max_rounds; ++round) {
-      const Points last = ways;
-      for (int i = 0; i < ways.rows(); ++i) {
+      const Points last = displacements;
+      for (int i = 0; i < displacements.rows(); ++i) {
         if (weights_[i] > 0 || cloth_.inv_mass[i] == 0) continue;
         const std::vector<int>& edges = surface.of_point[static_cast<std::size_t>(i)];
         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
@@ -124,10 +126,10 @@ class Ways {
           const auto& [a, b] = surface[edge].points;
           sum += last.row(a == i ? b : a);
         }
-        ways.row(i) = passed_on / static_cast<double>(edges.size()) * sum;
+        displacements.row(i) = passed_on / static_cast<double>(edges.size()) * sum;
       }
     }
-    return ways;
+    return displacements;
   }
 
  private:
@@ -239,7 +241,7 @@ std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingConto
 /// Displacements of a pass that take crossing parts apart. `edge_length`: the shortest edge [m].
 Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& contours,
                   double edge_length) {
-  Ways ways(surface.cloth());
+  Displacements displacements(surface.cloth());
   PartCounter counter(surface.edges());
   for (const CrossingContour& contour : contours) {
     const std::array<bool, 2> is_part_above = parts_to_go_back(surface, contour, counter);
@@ -248,14 +250,15 @@ Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& co
         const bool is_first = surface.is_above(c) == is_part_above[s];
         const double depth =
             std::abs(c.normal.dot(surface.along(c))) * (is_first ? c.share : 1 - c.share);
-        const double way = (std::min(depth / edge_length, max_way) + overshoot) * edge_length;
-        ways.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
-                 surface.cloth().triangles[static_cast<std::size_t>(c.triangle)], c.weights,
-                 (is_part_above[s] ? -way : way) * c.normal);
+        const double displacement =
+            (std::min(depth / edge_length, max_displacement) + overshoot) * edge_length;
+        displacements.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
+                          surface.cloth().triangles[static_cast<std::size_t>(c.triangle)],
+                          c.weights, (is_part_above[s] ? -displacement : displacement) * c.normal);
       }
     }
   }
-  return ways.spread(surface.edges());
+  return displacements.spread(surface.edges());
 }
 
 /// Puts points that are in a collider on its surface.

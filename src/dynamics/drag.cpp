@@ -10,7 +10,7 @@ void add_fall(const Cloth& cloth, const Loads& loads, double h, State& state) {
   state.positions.rowwise() += of_gravity.transpose();
 }
 
-void coast(const Cloth& cloth, const Loads& loads, double h, State& state) {
+void free_step(const Cloth& cloth, const Loads& loads, double h, State& state) {
   add_fall(cloth, loads, h, state);
   const Drag drag(cloth.damping, h);
   for (int axis = 0; axis < 3; ++axis) {
@@ -23,7 +23,7 @@ void coast(const Cloth& cloth, const Loads& loads, double h, State& state) {
   }
 }
 
-Scalars coast_weights(const Cloth& cloth, double h) {
+Scalars free_step_weights(const Cloth& cloth, double h) {
   const double time2 = h * Drag(cloth.damping, h).distance;
   return (cloth.inv_mass.array() > 0).select(cloth.mass.array() / time2, 0);
 }

@@ -7,8 +7,8 @@ namespace clothsim {
 void ImplicitEuler::step(const Cloth& cloth, const Loads& loads, double h, State& state,
                          const Workers&) {
   const Past past = past_of(cloth, state, h);
-  coast(cloth, loads, h, state);
-  solver_.solve(cloth, coast_weights(cloth, h), state.positions, displacement_, past);
+  free_step(cloth, loads, h, state);
+  solver_.solve(cloth, free_step_weights(cloth, h), state.positions, displacement_, past);
   state.positions += displacement_;
   state.velocities += displacement_ / h;
 }

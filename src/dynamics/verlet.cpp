@@ -16,10 +16,10 @@ void drift(int count, double t, double distance, const double* inv_mass, PointRu
            MutablePointRun to) {
 #pragma GCC ivdep  // `to` may be `from`, nothing else overlaps
   for (int i = 0; i < count; ++i) {
-    const double way = inv_mass[i] > 0 ? distance : t;
-    to.x[i] = from.x[i] + way * v.x[i];
-    to.y[i] = from.y[i] + way * v.y[i];
-    to.z[i] = from.z[i] + way * v.z[i];
+    const double duration = inv_mass[i] > 0 ? distance : t;
+    to.x[i] = from.x[i] + duration * v.x[i];
+    to.y[i] = from.y[i] + duration * v.y[i];
+    to.z[i] = from.z[i] + duration * v.z[i];
   }
 }
 

@@ -235,7 +235,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
     set_bend_targets(cloth, h, h * state.velocities, workers);
   }
 
-  coast(cloth, loads, h, state);
+  free_step(cloth, loads, h, state);
   start_ = state.positions;
   reactions_.setZero(cloth.num_points(), 3);
   lambda_.assign(constraints_.size(), 0);

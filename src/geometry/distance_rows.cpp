@@ -74,8 +74,8 @@ void DistanceRows::point_point(const Points& a, std::size_t number, const Points
   const Vector of_a = at(a, number);
 #pragma GCC ivdep
   for (std::size_t k = 0; k < size; ++k) {
-    const Vector way = at(b, k) - of_a;
-    distances[k] = root((1 - row_rounding) * dot(way, way));
+    const Vector difference = at(b, k) - of_a;
+    distances[k] = root((1 - row_rounding) * dot(difference, difference));
   }
 }
 
@@ -94,9 +94,10 @@ void DistanceRows::edge_edge(const Points& a, const Points& b, const Points& c, 
     const float free = crossing ? to_unit((uv * vw - uw * vv) / (area2 + tiny)) : 0.0F;
     const float t = to_unit((uv * free + vw) / vv);
     const float s = to_unit((uv * t - uw) / uu);
-    const Vector way{w.x + s * u.x - t * v.x, w.y + s * u.y - t * v.y, w.z + s * u.z - t * v.z};
+    const Vector difference{w.x + s * u.x - t * v.x, w.y + s * u.y - t * v.y,
+                            w.z + s * u.z - t * v.z};
     const float turn = root(crossing ? 0.0F : row_rounding * (uu + vv));
-    const float distance = root(dot(way, way) - row_rounding * (uu + vv + ww)) - turn;
+    const float distance = root(dot(difference, difference) - row_rounding * (uu + vv + ww)) - turn;
     distances[k] = larger(distance, 0.0F);
   }
 }
@@ -110,13 +111,14 @@ void DistanceRows::hull_hull(const Hulls& a, std::size_t number, const Hulls& b,
   for (std::size_t k = 0; k < size; ++k) {
     const Vector b0 = at(b[0], k) - from, b1 = at(b[1], k) - from, b2 = at(b[2], k) - from,
                  b3 = at(b[3], k) - from;
-    const Vector way{b0.x + b1.x + b2.x + b3.x - a1.x - a2.x - a3.x,
-                     b0.y + b1.y + b2.y + b3.y - a1.y - a2.y - a3.y,
-                     b0.z + b1.z + b2.z + b3.z - a1.z - a2.z - a3.z};
-    const float highest = larger(larger(0.0F, dot(way, a1)), larger(dot(way, a2), dot(way, a3)));
-    const float lowest =
-        smaller(smaller(dot(way, b0), dot(way, b1)), smaller(dot(way, b2), dot(way, b3)));
-    distances[k] = larger((lowest - highest) / (root(dot(way, way)) + tiny), 0.0F);
+    const Vector difference{b0.x + b1.x + b2.x + b3.x - a1.x - a2.x - a3.x,
+                            b0.y + b1.y + b2.y + b3.y - a1.y - a2.y - a3.y,
+                            b0.z + b1.z + b2.z + b3.z - a1.z - a2.z - a3.z};
+    const float highest =
+        larger(larger(0.0F, dot(difference, a1)), larger(dot(difference, a2), dot(difference, a3)));
+    const float lowest = smaller(smaller(dot(difference, b0), dot(difference, b1)),
+                                 smaller(dot(difference, b2), dot(difference, b3)));
+    distances[k] = larger((lowest - highest) / (root(dot(difference, difference)) + tiny), 0.0F);
   }
 }
 

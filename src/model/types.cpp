@@ -56,7 +56,7 @@ double farthest_from(const Vector3& origin, const Points& points) {
   return std::sqrt((points.rowwise() - origin.transpose()).rowwise().squaredNorm().maxCoeff());
 }
 
-double longest_way(const Points& from, const Points& to) {
+double longest_displacement(const Points& from, const Points& to) {
   return longest(from.data(), to, Vector3::Zero());
 }
 

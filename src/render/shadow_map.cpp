@@ -36,8 +36,9 @@ std::optional<Camera> light_camera(const Vector3& light, const std::vector<DrawI
     }
   }
   if (box.isEmpty()) return std::nullopt;
-  const Vector3 way = box.center() - light;
-  const double distance = way.norm(), radius = std::max(0.5 * box.diagonal().norm(), no_distance);
+  const Vector3 to_box = box.center() - light;
+  const double distance = to_box.norm(),
+               radius = std::max(0.5 * box.diagonal().norm(), no_distance);
   if (distance < no_distance) return std::nullopt;
 
   const double sine = std::min(widest, radius / distance);
@@ -47,7 +48,7 @@ std::optional<Camera> light_camera(const Vector3& light, const std::vector<DrawI
   camera.cx = camera.cy = 0.5 * (ShadowMap::side - 1);
   camera.near = std::max(distance - radius, nearest_share * radius);
   camera.far = distance + radius;
-  camera.pose = {light, Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), way)};
+  camera.pose = {light, Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), to_box)};
   return camera;
 }
 

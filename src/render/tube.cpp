@@ -26,10 +26,10 @@ std::vector<Section> sections(const Points& line) {
   std::vector<Section> result;
   Section section{Vector3::Zero(), Vector3::UnitX(), Vector3::UnitZ()};
   for (Eigen::Index i = 0; i <= last; ++i) {
-    const Vector3 way =
+    const Vector3 step =
         line.row(std::min(i + 1, last)) - line.row(std::max<Eigen::Index>(i - 1, 0));
-    const double length = way.norm();
-    if (length > no_length) section.along = way / length;
+    const double length = step.norm();
+    if (length > no_length) section.along = step / length;
     const Vector3 square = section.out - section.along * section.along.dot(section.out);
     const double left = square.norm();
     section.out = left > no_length ? Vector3(square / left) : section.along.unitOrthogonal();
@@ -45,7 +45,7 @@ class Rings {
   Rings(Mesh& mesh, int first, TubeAlong along) : mesh_(mesh), next_(first), along_(along) {}
 
   /// `tilt` is the angle [rad] of the normals towards the line's end.
-  void add(const Section& s, double radius, double tilt, double way) {
+  void add(const Section& s, double radius, double tilt, double along) {
     const Vector3 side = s.along.cross(s.out);
     for (int k = 0; k < stride; ++k, ++next_) {
       const double around = 1.0 * k / sides, angle = 2 * M_PI * around;
@@ -56,10 +56,10 @@ class Rings {
       mesh_.positions.row(next_) = s.center + radius * normal;
       if (along_ == TubeAlong::u) {
         mesh_.tangents.row(next_) = forward;
-        mesh_.uv.row(next_) << way, 1 - around;
+        mesh_.uv.row(next_) << along, 1 - around;
       } else {
         mesh_.tangents.row(next_) = s.along.cross(out);
-        mesh_.uv.row(next_) << around, way;
+        mesh_.uv.row(next_) << around, along;
       }
     }
   }

@@ -88,13 +88,13 @@ void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simul
       simulator.place_collider(follower.index, pose);
     return;
   }
-  double way = 0;
+  double distance = 0;
   const bool moves = !same(pose, *follower.applied);
   if (moves) {
     const auto& collider = simulator.scene().colliders[static_cast<size_t>(follower.index)];
-    way = way_between(*follower.applied, pose, collider, simulator.state().positions);
+    distance = way_between(*follower.applied, pose, collider, simulator.state().positions);
   }
-  if (follower.memory.watch.jumps(way, simulator.frame_duration())) {
+  if (follower.memory.watch.jumps(distance, simulator.frame_duration())) {
     simulator.place_collider(follower.index, pose);
   } else if (moves) {
     simulator.move_collider(follower.index, pose);

@@ -23,25 +23,25 @@ constexpr double short_delay = 0.2;
 
 }  // namespace
 
-bool JumpWatch::jumps(double way, double frame) {
+bool JumpWatch::jumps(double distance, double frame) {
   since_ += frame;
-  if (way == 0) return false;
+  if (distance == 0) return false;
   const bool was_moving = since_ <= std::max(longest_pause, frame);
   const double farthest = std::max(jump_speed_ * std::max(frame, shortest_frame),
                                    was_moving ? speeding_up * speed_ * since_ : 0);
-  speed_ = way / (was_moving ? since_ : frame);
+  speed_ = distance / (was_moving ? since_ : frame);
   since_ = 0;
-  return way > farthest;
+  return distance > farthest;
 }
 
-double SpeedLimit::share(double way, double frame, const std::string& name) {
-  if (way <= speed_ * frame) return 1;
-  if (way > speed_ * short_delay && warnings_.passes()) {
+double SpeedLimit::share(double distance, double frame, const std::string& name) {
+  if (distance <= speed_ * frame) return 1;
+  if (distance > speed_ * short_delay && warnings_.passes()) {
     ROS_WARN(
         "tf frame %s is %.3g m ahead of the points it holds: they follow at %g m/s, ~jump_speed",
-        name.c_str(), way, speed_);
+        name.c_str(), distance, speed_);
   }
-  return speed_ * frame / way;
+  return speed_ * frame / distance;
 }
 
 clothsim::Vector3 SpeedLimit::toward(const clothsim::Vector3& from, const clothsim::Vector3& to,

@@ -19,7 +19,7 @@ Vector3 pin_position(const Simulator& simulator, std::size_t pin) {
 void FrameMotion::set_target(const FrameTarget& target, int frames, double frame_duration) {
   assert(frames >= 1);
   if (target.start) *this = FrameMotion(*target.start);
-  way_ = PoseWay(pose_, twist_, target.pose, target.twist, frames * frame_duration);
+  trajectory_ = PoseTrajectory(pose_, twist_, target.pose, target.twist, frames * frame_duration);
   frames_ = frames;
   done_ = 0;
 }
@@ -30,8 +30,8 @@ const Pose& FrameMotion::advance() {
     return pose_;
   }
   const double share = static_cast<double>(++done_) / frames_;
-  pose_ = way_.pose_at(share);
-  twist_ = way_.twist_at(share);
+  pose_ = trajectory_.pose_at(share);
+  twist_ = trajectory_.twist_at(share);
   return pose_;
 }
 

@@ -168,10 +168,10 @@ double viewing_distance(const Box& box, const Vector3& out, const Lens& lens) {
   const Vector3 up = out.cross(across);
   double distance = 0;
   for (int i = 0; i < num_corners; ++i) {
-    const Vector3 way = corner(box, i) - box.center();
+    const Vector3 offset = corner(box, i) - box.center();
     const double needed =
-        std::max(std::abs(across.dot(way)) / lens.across, std::abs(up.dot(way)) / lens.up);
-    distance = std::max(distance, needed * (1 + frame_margin) + out.dot(way));
+        std::max(std::abs(across.dot(offset)) / lens.across, std::abs(up.dot(offset)) / lens.up);
+    distance = std::max(distance, needed * (1 + frame_margin) + out.dot(offset));
   }
   return distance;
 }

@@ -93,7 +93,7 @@ int count_inside(const ColliderSpec& collider, const Points& points) {
   std::vector<double> distances(static_cast<std::size_t>(count));
   Points normals(count, 3);
   signed_distances(collider.shape, frame, run_from(points, 0), frame, run_from(points, 0), count,
-                   Asked{0, nullptr}, distances.data(), run_from(normals, 0));
+                   MeshQuery{0, nullptr}, distances.data(), run_from(normals, 0));
   return static_cast<int>(std::count_if(distances.begin(), distances.end(),
                                         [](double d) { return d < -written_rounding; }));
 }

@@ -39,7 +39,7 @@ PlanePoint read_place(const YAML::Node& node) {
 }
 
 /// The part of an outline between two corners; a straight line where both are empty.
-struct Way {
+struct Side {
   std::optional<PlanePoint> arc;
   std::vector<PlanePoint> curve;
 
@@ -49,31 +49,31 @@ struct Way {
   }
 };
 
-Way read_way(const YAML::Node& node) {
-  Way way;
+Side read_side(const YAML::Node& node) {
+  Side side;
   const auto read_curve = [&](const YAML::Node& list) {
-    read_list(list, [&](const YAML::Node& item) { way.curve.push_back(read_place(item)); });
+    read_list(list, [&](const YAML::Node& item) { side.curve.push_back(read_place(item)); });
   };
-  read_map(node, {{"arc", [&](const YAML::Node& value) { way.arc = read_place(value); }},
+  read_map(node, {{"arc", [&](const YAML::Node& value) { side.arc = read_place(value); }},
                   {"curve", read_curve}});
-  if (way.arc.has_value() == !way.curve.empty()) {
+  if (side.arc.has_value() == !side.curve.empty()) {
     throw InvalidValue({}, describe(node), "arc: [x, y], or curve: a list of [x, y]");
   }
-  return way;
+  return side;
 }
 
 std::vector<PanelSide> read_outline(const YAML::Node& node) {
   std::vector<PlanePoint> corners;
-  std::vector<std::pair<Way, std::size_t>> ways;  // after each corner, and its item
+  std::vector<std::pair<Side, std::size_t>> sides_given;  // after each corner, and its item
   std::size_t index = 0;
   read_list(node, [&](const YAML::Node& item) {
     if (!item.IsMap()) {
       corners.push_back(read_place(item));
-      ways.emplace_back();
-    } else if (corners.empty() || ways.back().second != 0) {
+      sides_given.emplace_back();
+    } else if (corners.empty() || sides_given.back().second != 0) {
       throw InvalidValue({}, describe(item), "a corner [x, y] before each arc or curve");
     } else {
-      ways.back() = {read_way(item), index};
+      sides_given.back() = {read_side(item), index};
     }
     ++index;
   });
@@ -82,8 +82,8 @@ std::vector<PanelSide> read_outline(const YAML::Node& node) {
   }
   std::vector<PanelSide> sides;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    inside(std::to_string(ways[k].second), [&] {
-      sides.push_back(ways[k].first.side(corners[k], corners[(k + 1) % corners.size()]));
+    inside(std::to_string(sides_given[k].second), [&] {
+      sides.push_back(sides_given[k].first.side(corners[k], corners[(k + 1) % corners.size()]));
     });
     if (length_of(sides.back()) > 0) continue;
     throw InvalidValue({}, "corner " + std::to_string(k) + " again", "a corner at another place");

@@ -110,9 +110,9 @@ const Cloth& PointReader::cloth() {
 }
 
 std::vector<std::array<int, 2>> PointReader::find(const PointPlace& place) {
-  const int ways = place.near.has_value() + place.of.has_value() + place.uv.has_value() +
-                   place.corner.has_value() + place.side.has_value();
-  if (ways != 1 || place.within.has_value() != place.of.has_value()) {
+  const int given = place.near.has_value() + place.of.has_value() + place.uv.has_value() +
+                    place.corner.has_value() + place.side.has_value();
+  if (given != 1 || place.within.has_value() != place.of.has_value()) {
     throw InvalidValue({}, place.empty() ? "no place" : "a part of a place, or two",
                        named_.mesh ? ways_to_name_on_mesh : ways_to_name);
   }

@@ -139,7 +139,7 @@ void NearPairs::pair_patches(const Workers& workers) {
 }
 
 /// Computes the approach of patches on straight paths from their present positions.
-void NearPairs::foresee(const Points& ends, const Workers& workers) {
+void NearPairs::bound_motion(const Points& ends, const Workers& workers) {
   motions_.follow(*patches_, last_, ends, workers);
   if (paired_nearer_ + motions_.max() > sees_) pair_patches(workers);
   workers.each(static_cast<int>(patch_pairs_.size()), [&](int k) {
@@ -160,12 +160,12 @@ void NearPairs::go(const Points& ends, const Workers& workers) {
 }
 
 /// Accounts for points that are elsewhere than the queries have followed them.
-void NearPairs::be_at(const Points& positions, const Workers& workers) {
+void NearPairs::move_to(const Points& positions, const Workers& workers) {
   if (last_.rows() == 0) {
     last_ = positions;
     pair_patches(workers);
   } else if (differ(last_, positions, workers)) {
-    foresee(positions, workers);
+    bound_motion(positions, workers);
     go(positions, workers);
   }
 }
@@ -280,12 +280,12 @@ void NearPairs::collect_listed(const Points& ahead, const Workers& workers) {
 
 const std::vector<NearPair>& NearPairs::approaching(const Points& positions, const Points& ahead,
                                                     const Workers& workers, WorkBudget* budget) {
-  be_at(positions, workers);
+  move_to(positions, workers);
   const std::int64_t visited = tracked_.track(positions, workers);
   if (budget) budget->spend(visited);
   // Measured are patches that may touch in a step like the last one, and in turn some near ones.
   // With points alone paths are computed first: nothing else would detect these contacts.
-  if (of_points_) foresee(ahead, workers);
+  if (of_points_) bound_motion(ahead, workers);
   const int turn = looks_++ % longest_sleep;
   const auto due = select(workers, [&](const PatchPair& pair, int k) {
     const bool has_turn = (turn - k) % longest_sleep == 0 && pair.to_meet < paired_ - sees_;
@@ -300,8 +300,8 @@ const std::vector<NearPair>& NearPairs::approaching(const Points& positions, con
 
 std::vector<NearPair> NearPairs::swept_query(const Points& here, const Points& ends, double floor,
                                              const Workers& workers, WorkBudget* budget) {
-  be_at(here, workers);
-  foresee(ends, workers);
+  move_to(here, workers);
+  bound_motion(ends, workers);
   const auto due = select(
       workers, [&](const PatchPair& pair, int) { return pair.step + floor >= pair.to_meet; });
   return measure_all(due, floor, workers, budget);

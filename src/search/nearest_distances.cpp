@@ -97,37 +97,37 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   // Tiles farther apart have the full contact distance, or do not exist.
   const Eigen::Vector2d last(cloth.columns - 1, cloth.rows - 1);
   const double far = std::ceil(max() / (neighbour_share * spacing_)) + 2;
-  const Eigen::Vector2i max_way = last.cwiseMin(far).cast<int>();
-  const GridWays ways(std::move(places), max_way);
-  for (const Eigen::Vector2i& way : ways.ways()) {
-    tiles_.push_back(make_tiles_of_grid(way, spacing));
+  const Eigen::Vector2i max_offset = last.cwiseMin(far).cast<int>();
+  const GridOffsets offsets(std::move(places), max_offset);
+  for (const Eigen::Vector2i& offset : offsets.offsets()) {
+    tiles_.push_back(make_tiles_of_grid(offset, spacing));
   }
   // Patches farther apart have no tiles within that.
-  const GridWays patch_ways(std::move(of_patches),
-                            max_way / Patch::side + Eigen::Vector2i::Constant(2));
-  for (const Eigen::Vector2i& way : patch_ways.ways()) {
+  const GridOffsets patch_offsets(std::move(of_patches),
+                                  max_offset / Patch::side + Eigen::Vector2i::Constant(2));
+  for (const Eigen::Vector2i& offset : patch_offsets.offsets()) {
     TileShapes::PairValues& values = of_patches_.emplace_back();
     for (std::size_t k = 0; k < values.size(); ++k) {
       const auto i = static_cast<int>(k / TileShapes::tiles),
                  j = static_cast<int>(k % TileShapes::tiles);
       const Eigen::Vector2i from(i % Patch::side, i / Patch::side),
           to(j % Patch::side, j / Patch::side);
-      const int number = ways.number_of(Patch::side * way + to - from);
+      const int number = offsets.number_of(Patch::side * offset + to - from);
       values[k] = max_distance(tiles_[static_cast<std::size_t>(number)]);
     }
   }
-  tile_ways_ = ways;
-  patch_ways_ = patch_ways;
+  tile_offsets_ = offsets;
+  patch_offsets_ = patch_offsets;
 }
 
 /// Both tiles in rows of two points.
-NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector2i& way,
+NearestDistances::Tiles NearestDistances::make_tiles_of_grid(const Eigen::Vector2i& offset,
                                                              const Eigen::Vector2d& spacing) const {
   const Tiling cells(2, 4);
   Points corners = Points::Zero(8, 3);
   for (int i = 0; i < corners.rows(); ++i) {
     Eigen::Vector2i place(i % 2, i / 2 % 2);
-    if (i >= 4) place += way;
+    if (i >= 4) place += offset;
     corners.block<1, 2>(i, 0) = place.cast<double>().cwiseProduct(spacing).transpose();
   }
   return make_tiles(max(), [&](std::size_t k) {
@@ -153,7 +153,7 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
     cloths_.push_back(static_cast<std::size_t>(mesh.cloth_of(tile.points[0])));
   }
   of_patches_.emplace_back().fill(static_cast<float>(max()));
-  NearWays tile_ways(tiling_->tiles().size()), patch_ways(patches.size());
+  NearOffsets tile_ways(tiling_->tiles().size()), patch_offsets(patches.size());
   const auto add = [&](int a, int b) {
     const std::size_t cloth = cloths_[static_cast<std::size_t>(a)];
     if (cloth != cloths_[static_cast<std::size_t>(b)]) return;  // no neighbours
@@ -170,7 +170,7 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
   visit_near_patches(patches, rest, within, [&](int p, int q) {
     const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,
                &of_q = patches[static_cast<std::size_t>(q)].tiles;
-    patch_ways.add(p, q, static_cast<int>(of_patches_.size()));
+    patch_offsets.add(p, q, static_cast<int>(of_patches_.size()));
     TileShapes::PairValues& values = of_patches_.emplace_back();
     values.fill(static_cast<float>(max()));
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -180,11 +180,11 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
       if (p != q) add(b, a);
       const int own = tile_ways.number(a, b);
       values[k] = max_distance(
-          tiles_[own != NearWays::far ? static_cast<std::size_t>(own) : far_number(a, b)]);
+          tiles_[own != NearOffsets::far ? static_cast<std::size_t>(own) : far_number(a, b)]);
     }
   });
-  tile_ways_ = std::move(tile_ways);
-  patch_ways_ = std::move(patch_ways);
+  tile_offsets_ = std::move(tile_ways);
+  patch_offsets_ = std::move(patch_offsets);
 }
 
 double NearestDistances::neighbours_within(const Patch& patch) const {

@@ -76,22 +76,24 @@ std::vector<Patch> cut_into_patches(const Tiling& tiling, const Points& rest) {
 
 void PatchMotions::follow(const std::vector<Patch>& patches, const Points& from, const Points& to,
                           const Workers& workers) {
-  Points ways(from.rows(), 3);
-  workers.parallel_for(static_cast<int>(ways.rows()), [&](int begin, int end) {
+  Points displacements(from.rows(), 3);
+  workers.parallel_for(static_cast<int>(displacements.rows()), [&](int begin, int end) {
     const int count = end - begin;
-    ways.middleRows(begin, count) = to.middleRows(begin, count) - from.middleRows(begin, count);
+    displacements.middleRows(begin, count) =
+        to.middleRows(begin, count) - from.middleRows(begin, count);
   });
-  longest_ = longest_beyond_mean(ways);
-  ways_.resize(patches.size());
+  longest_ = longest_beyond_mean(displacements);
+  displacements_.resize(patches.size());
   workers.each(static_cast<int>(patches.size()), [&](int patch) {
     const auto p = static_cast<std::size_t>(patch);
-    ways_[p] = around(ways, patches[p].points);
+    displacements_[p] = around(displacements, patches[p].points);
   });
 }
 
 /// The largest distance between two of their displacements.
 double PatchMotions::between(int p, int q) const {
-  const Box &a = ways_[static_cast<std::size_t>(p)], &b = ways_[static_cast<std::size_t>(q)];
+  const Box &a = displacements_[static_cast<std::size_t>(p)],
+            &b = displacements_[static_cast<std::size_t>(q)];
   return std::min((a.max() - b.min()).cwiseMax(b.max() - a.min()).norm(), max());
 }
 

@@ -12,19 +12,20 @@ Vector3 box_corner(const Vector3& half, const Vector3& direction) {
 }
 
 /// The shortest way out of a box; not into it, so that the way is negative for a triangle outside.
-FaceDistance way_out(const Vector3& half, const Triangle& t) {
-  WayOut way;
+FaceDistance shortest_exit(const Vector3& half, const Triangle& t) {
+  ShortestExit exit;
   const auto try_along = [&](const Vector3& out, std::optional<std::size_t> on, int axis) {
     const std::size_t low = lowest(t, out);
     const double length = out.cwiseAbs().dot(half) - out.dot(t[low]);
-    if (length >= way.shortest().value) return;
+    if (length >= exit.shortest().value) return;
     const Vector3 support = box_corner(half, out);
     if (on) {
       Vector3 other = support;
       other[axis] *= -1;
-      way.add_across(length, out, t, *on, support, other);
+      exit.add_across(length, out, t, *on, support, other);
     } else {
-      way.add(length, out, axis < 0 ? closest_on_triangle(support, t[0], t[1], t[2]) : corner(low));
+      exit.add(length, out,
+               axis < 0 ? closest_on_triangle(support, t[0], t[1], t[2]) : corner(low));
     }
   };
 
@@ -46,7 +47,7 @@ FaceDistance way_out(const Vector3& half, const Triangle& t) {
       try_along(-across / length, i, axis);
     }
   }
-  return way.shortest();
+  return exit.shortest();
 }
 
 /// Distances of the edges and corners of a box from a triangle, up to `reach`.
@@ -80,17 +81,18 @@ Closest to_edges_and_corners(const Vector3& half, const Triangle& t, double reac
 
 }  // namespace
 
-std::optional<double> Cuboid::entry(const Vector3& from, const Vector3& way, double offset) const {
+std::optional<double> Cuboid::entry(const Vector3& from, const Vector3& displacement,
+                                    double offset) const {
   double in = 0, out = infinity;
   for (int axis = 0; axis < 3; ++axis) {
     const double half = size[axis] / 2 + offset;
-    if (way[axis] == 0) {
+    if (displacement[axis] == 0) {
       if (std::abs(from[axis]) > half) return std::nullopt;
       continue;
     }
-    const double towards = way[axis] > 0 ? 1 : -1;
-    in = std::max(in, (-towards * half - from[axis]) / way[axis]);
-    out = std::min(out, (towards * half - from[axis]) / way[axis]);
+    const double towards = displacement[axis] > 0 ? 1 : -1;
+    in = std::max(in, (-towards * half - from[axis]) / displacement[axis]);
+    out = std::min(out, (towards * half - from[axis]) / displacement[axis]);
   }
   if (in > out) return std::nullopt;
   return in;
@@ -102,10 +104,10 @@ std::optional<FaceDistance> Cuboid::face_distance(const Triangle& t, double reac
   if (apart > reach) return std::nullopt;
 
   if (apart <= 0) {
-    FaceDistance way = way_out(half, t);
-    if (way.value >= 0) {
-      way.value *= -1;
-      return way;
+    FaceDistance exit = shortest_exit(half, t);
+    if (exit.value >= 0) {
+      exit.value *= -1;
+      return exit;
     }
   }
 

@@ -25,8 +25,8 @@ std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, co
                                   const Vector3& b, const Distance& at_b, double limit) {
   constexpr double precise = 1e-12;  // share of the edge
   constexpr int max_secants = 20;    // beside a kink bisection is faster
-  const Vector3 way = b - a;
-  const auto slope = [&](const OnEdge& x) { return x.distance.normal.dot(way); };
+  const Vector3 along = b - a;
+  const auto slope = [&](const OnEdge& x) { return x.distance.normal.dot(along); };
   OnEdge low{0, at_a}, high{1, at_b};
   double down = slope(low), up = slope(high);
   if (down >= 0) return low;
@@ -40,7 +40,7 @@ std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, co
     if (least > limit) return std::nullopt;
     const double share = step < max_secants ? secant_down / (secant_down - secant_up) : 0.5;
     const double s = low.s + share * width;
-    const OnEdge middle{s, distance_at(cylinder, a + s * way)};
+    const OnEdge middle{s, distance_at(cylinder, a + s * along)};
     const double now = slope(middle);
     if (now == 0) return middle;
     if (now < 0) {
@@ -98,14 +98,14 @@ bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3&
 /// way is the support function of the cylinder's shadow along the edge, with up to four minima.
 constexpr int tried = 24;
 
-class CylinderWayOut {
+class CylinderExit {
  public:
-  CylinderWayOut(const Cylinder& cylinder, const Triangle& t) : cylinder_(cylinder), t_(t) {}
+  CylinderExit(const Cylinder& cylinder, const Triangle& t) : cylinder_(cylinder), t_(t) {}
 
   /// `on`: an edge perpendicular to `out`, if any.
   void add(const Vector3& out, std::optional<std::size_t> on) {
-    const double way = length(out);
-    if (way >= way_.shortest().value) return;
+    const double depth = length(out);
+    if (depth >= exit_.shortest().value) return;
     const std::size_t low = lowest(t_, out);
     Weights weights = corner(low);
     const Vector3 p = support(cylinder_, out);
@@ -116,7 +116,7 @@ class CylinderWayOut {
     } else if (!on) {
       weights = closest_on_triangle(p, t_[0], t_[1], t_[2]);
     }
-    way_.add(way, out, weights);
+    exit_.add(depth, out, weights);
   }
 
   /// Adds the shortest way perpendicular to an edge.
@@ -127,16 +127,17 @@ class CylinderWayOut {
     const auto out = [&](double angle) {
       return Vector3(std::cos(angle) * u + std::sin(angle) * v);
     };
-    double ways[tried];
+    double depths[tried];
     const auto angle = [](int k) { return 2 * M_PI * k / tried; };
-    for (int k = 0; k < tried; ++k) ways[k] = length(out(angle(k)));
+    for (int k = 0; k < tried; ++k) depths[k] = length(out(angle(k)));
     for (int k = 0; k < tried; ++k) {
-      if (ways[k] > ways[(k + 1) % tried] || ways[k] > ways[(k + tried - 1) % tried]) continue;
+      if (depths[k] > depths[(k + 1) % tried] || depths[k] > depths[(k + tried - 1) % tried])
+        continue;
       add(out(min_between(angle(k - 1), angle(k + 1), out)), i);
     }
   }
 
-  const FaceDistance& shortest() const { return way_.shortest(); }
+  const FaceDistance& shortest() const { return exit_.shortest(); }
 
  private:
   /// Length of the way out along `out` [m].
@@ -172,33 +173,33 @@ class CylinderWayOut {
 
   const Cylinder& cylinder_;
   const Triangle& t_;
-  WayOut way_;
+  ShortestExit exit_;
 };
 
 /// The shortest way out: along the axis, along the triangle's normal, straight away from the axis
 /// at a corner, or perpendicular to an edge.
-FaceDistance way_out(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
-  CylinderWayOut way(cylinder, t);
+FaceDistance shortest_exit(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
+  CylinderExit exit(cylinder, t);
   for (const double sign : {-1.0, 1.0}) {
     const Vector3 along = sign * Vector3::UnitZ();
-    way.add(along, {});
-    if (!n.isZero(0)) way.add(sign * n, {});
+    exit.add(along, {});
+    if (!n.isZero(0)) exit.add(sign * n, {});
     for (std::size_t i = 0; i < 3; ++i) {
       const Vector3 across = along.cross(edge(t, i));
-      if (across.norm() > std::sqrt(parallel) * edge(t, i).norm()) way.add(across.normalized(), i);
+      if (across.norm() > std::sqrt(parallel) * edge(t, i).norm()) exit.add(across.normalized(), i);
     }
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector3 away(t[i].x(), t[i].y(), 0);
-    way.add(away.isZero(0) ? Vector3::UnitX() : away.normalized(), {});
-    way.add_across(i);
+    exit.add(away.isZero(0) ? Vector3::UnitX() : away.normalized(), {});
+    exit.add_across(i);
   }
-  return way.shortest();
+  return exit.shortest();
 }
 
 }  // namespace
 
-std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& way,
+std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& displacement,
                                       double offset) const {
   double in = 0, out = infinity;
   const auto keep_within = [&](double first, double last) {
@@ -206,14 +207,16 @@ std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& way,
     out = std::min(out, last);
   };
   const double half = length / 2 + offset, kept = radius + offset;
-  if (way.z() != 0) {
-    const double a = (-half - from.z()) / way.z(), b = (half - from.z()) / way.z();
+  if (displacement.z() != 0) {
+    const double a = (-half - from.z()) / displacement.z(),
+                 b = (half - from.z()) / displacement.z();
     keep_within(std::min(a, b), std::max(a, b));
   } else if (std::abs(from.z()) > half) {
     return std::nullopt;
   }
-  const Eigen::Vector2d from2 = from.head<2>(), way2 = way.head<2>();
-  const double a = way2.squaredNorm(), b = from2.dot(way2), c = from2.squaredNorm() - kept * kept;
+  const Eigen::Vector2d from2 = from.head<2>(), along2 = displacement.head<2>();
+  const double a = along2.squaredNorm(), b = from2.dot(along2),
+               c = from2.squaredNorm() - kept * kept;
   const double discriminant = b * b - a * c;
   if (a > 0 && discriminant >= 0) {
     const double root = std::sqrt(discriminant);
@@ -241,9 +244,9 @@ std::optional<FaceDistance> Cylinder::face_distance(const Triangle& t, double re
   }
   const Vector3 n = unit_normal(t);
   if (nearest.value < 0 || reaches_through(*this, t, n)) {
-    FaceDistance way = way_out(*this, t, n);
-    way.value = std::min(-way.value, 0.0);
-    return way;
+    FaceDistance exit = shortest_exit(*this, t, n);
+    exit.value = std::min(-exit.value, 0.0);
+    return exit;
   }
   // The solid's point nearest to the plane, where that is over the triangle's inside.
   if (!n.isZero(0)) {

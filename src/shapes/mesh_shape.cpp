@@ -70,18 +70,18 @@ class ClosestFeatures {
   /// A ridge passes through the triangle: the triangle leaves it over an end that points outwards,
   /// or, if neither does, over the nearer one.
   void add_piercing(const Solid::Ridge& ridge) {
-    std::array<FaceDistance, 2> ways;
+    std::array<FaceDistance, 2> exits;
     bool has_tip = false;
     for (const std::size_t end : {0, 1}) {
       const Vector3& p = ridge.ends[end];
       const double height = n_.dot(p - t_[0]);
-      ways[end] = {-std::abs(height), height < 0 ? Vector3(-n_) : n_,
-                   closest_on_triangle(p, t_[0], t_[1], t_[2])};
-      if (ways[end].normal.dot(ridge.end_normals[end]) <= 0) continue;
+      exits[end] = {-std::abs(height), height < 0 ? Vector3(-n_) : n_,
+                    closest_on_triangle(p, t_[0], t_[1], t_[2])};
+      if (exits[end].normal.dot(ridge.end_normals[end]) <= 0) continue;
       has_tip = true;
-      add_inside(ways[end]);
+      add_inside(exits[end]);
     }
-    if (!has_tip) add_inside(ways[ways[0].value > ways[1].value ? 0 : 1]);
+    if (!has_tip) add_inside(exits[exits[0].value > exits[1].value ? 0 : 1]);
   }
 
   /// `surely`: inside, even if another feature is nearer.
@@ -110,7 +110,7 @@ class ClosestToSheet {
     const auto& [a, b] = ridge.ends;
     if (!n_.isZero(0) && passes_through(a, b, t_)) {
       for (const Vector3& p : ridge.ends) {
-        add_way(n_.dot(p - t_[0]), n_, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+        add_exit(n_.dot(p - t_[0]), n_, closest_on_triangle(p, t_[0], t_[1], t_[2]));
       }
       return;
     }
@@ -124,7 +124,7 @@ class ClosestToSheet {
   /// The edge from corner i on passes through a face at `place`: either end may go back.
   void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
     for (const std::size_t end : {i, (i + 1) % 3}) {
-      add_way(normal.dot(place - t_[end]), normal, corner(end));
+      add_exit(normal.dot(place - t_[end]), normal, corner(end));
     }
   }
 
@@ -142,10 +142,10 @@ class ClosestToSheet {
     if (distance < nearest_.value && distance > 0) nearest_ = {distance, gap / distance, weights};
   }
 
-  /// `way` [m] along `normal`, or against it where below 0.
-  void add_way(double way, const Vector3& normal, const Weights& weights) {
-    if (-std::abs(way) <= out_.value) return;
-    out_ = {-std::abs(way), way < 0 ? Vector3(-normal) : normal, weights};
+  /// `depth` [m] along `normal`, or against it where below 0.
+  void add_exit(double depth, const Vector3& normal, const Weights& weights) {
+    if (-std::abs(depth) <= out_.value) return;
+    out_ = {-std::abs(depth), depth < 0 ? Vector3(-normal) : normal, weights};
   }
 
   const Triangle& t_;
@@ -195,15 +195,16 @@ NearSurface MeshShape::near_surface(double x, double y, double z, double) const 
   return {value - padding, normal.x(), normal.y(), normal.z()};
 }
 
-std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& way,
+std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& displacement,
                                        double offset) const {
   constexpr double near = 1.05;  // of the offset: counts as entered
-  const double length = way.norm();
+  const double length = displacement.norm();
   double share = 0;
   for (int step = 0; step < max_approaches && share <= 1; ++step) {
-    const Vector3 p = from + share * way;
+    const Vector3 p = from + share * displacement;
     const NearSurface here = near_surface(p.x(), p.y(), p.z(), 0);
-    const bool nears = here.x * way.x() + here.y * way.y() + here.z * way.z() < 0;
+    const bool nears =
+        here.x * displacement.x() + here.y * displacement.y() + here.z * displacement.z() < 0;
     if (here.value <= near * offset && nears) return share;
     share += std::max(here.value - offset, near / 2 * offset) / length;
   }

@@ -52,11 +52,11 @@ Vector3 MovingCollider::velocity_at(const Vector3& point) const {
 }
 
 Vector3 MovingCollider::carried(const Vector3& point) const {
-  const Vector3 way = pose_.position - previous_.position;
+  const Vector3 displacement = pose_.position - previous_.position;
   const Vector3 arm = point - previous_.position;
   const double angle = last_turn_.norm();
-  if (angle == 0) return point + way;
-  return point + way + (Eigen::AngleAxisd(angle, last_turn_ / angle) * arm - arm);
+  if (angle == 0) return point + displacement;
+  return point + displacement + (Eigen::AngleAxisd(angle, last_turn_ / angle) * arm - arm);
 }
 
 Points MovingCollider::velocities_at(const Points& points) const {

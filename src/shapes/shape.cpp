@@ -12,14 +12,15 @@ std::optional<Vector3> entry_point(const Shape& shape, const Vector3& from, cons
                                    double offset) {
   if (std::isinf(safe_depth(shape))) return std::nullopt;  // a plane has no far side
   const Distance start = signed_distance(shape, from, from);
-  const Vector3 way = to - from;
+  const Vector3 displacement = to - from;
   if (start.value < 0) return std::nullopt;
-  const bool nears = start.normal.dot(way) < 0;
+  const bool nears = start.normal.dot(displacement) < 0;
   if (nears && start.value <= offset) return from;
   if (!nears && std::visit([](const auto& s) { return s.is_convex; }, shape)) return std::nullopt;
-  const auto share = std::visit([&](const auto& s) { return s.entry(from, way, offset); }, shape);
+  const auto share =
+      std::visit([&](const auto& s) { return s.entry(from, displacement, offset); }, shape);
   if (!share || *share > 1) return std::nullopt;
-  return from + *share * way;
+  return from + *share * displacement;
 }
 
 double safe_depth(const Shape& shape) {

@@ -94,7 +94,7 @@ class Closest {
 };
 
 /// The shortest of the ways along which a triangle may leave a polyhedron.
-class WayOut {
+class ShortestExit {
  public:
   /// `out` [m] is the way along the unit vector `direction`, negative where the triangle is out
   /// already.

@@ -14,7 +14,7 @@ struct Run {
   const Frame& before;
   PointRun sides;
   int count;
-  const Asked& asked;
+  const MeshQuery& asked;
   double* distances;
   MutablePointRun normals;
 };
@@ -65,7 +65,7 @@ void find(const MeshShape& mesh, const Run& run) {
 }  // namespace
 
 void signed_distances(const Shape& shape, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, const Asked& asked, double* distances,
+                      PointRun sides, int count, const MeshQuery& asked, double* distances,
                       MutablePointRun normals) {
   const Run run{frame, points, before, sides, count, asked, distances, normals};
   std::visit([&](const auto& s) { find(s, run); }, shape);

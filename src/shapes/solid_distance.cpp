@@ -152,15 +152,15 @@ std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& po
   }
   if (least >= near) return {least, Vector3::UnitZ()};
 
-  const double way = (point - neighbourhood.place).norm() + smallest * radius_;
+  const double moved = (point - neighbourhood.place).norm() + smallest * radius_;
   Nearest nearest;
   for (std::size_t i = 0; i < neighbourhood.count; ++i) {
-    const double far = neighbourhood.distances[i] - way;
+    const double far = neighbourhood.distances[i] - moved;
     if (far > 0 && far * far > nearest.squared) break;
     const Nearest one = look_at(neighbourhood.faces[i], point);
     if (one.is_before(nearest)) nearest = one;
   }
-  const double beyond = neighbourhood.beyond - way;
+  const double beyond = neighbourhood.beyond - moved;
   if (beyond > 0 && nearest.squared < beyond * beyond) return signed_distance(nearest);
   if (beyond >= near && least > 0) return {beyond, Vector3::UnitZ()};
 

@@ -10,9 +10,11 @@ double Sphere::corner_distance(double edge, double offset) const {
   return std::sqrt(kept * kept + edge * edge / 3) - radius;
 }
 
-std::optional<double> Sphere::entry(const Vector3& from, const Vector3& way, double offset) const {
+std::optional<double> Sphere::entry(const Vector3& from, const Vector3& displacement,
+                                    double offset) const {
   const double kept = radius + offset;
-  return first_root(way.squaredNorm(), from.dot(way), from.squaredNorm() - kept * kept);
+  return first_root(displacement.squaredNorm(), from.dot(displacement),
+                    from.squaredNorm() - kept * kept);
 }
 
 std::optional<FaceDistance> Sphere::face_distance(const Triangle& t, double reach) const {

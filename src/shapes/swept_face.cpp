@@ -22,21 +22,21 @@ std::optional<FaceDistance> swept_face_distance(const MovingCollider& collider,
                                                 double offset) {
   // Bound on the way of the triangle's points in the collider's frame.
   const Vector3 moved = collider.pose().position - collider.previous().position;
-  double way = 0, arm = 0;
+  double max_displacement = 0, arm = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    way = std::max(way, (to[i] - from[i] - moved).norm());
+    max_displacement = std::max(max_displacement, (to[i] - from[i] - moved).norm());
     arm = std::max({arm, (from[i] - collider.previous().position).norm(),
                     (to[i] - collider.pose().position).norm()});
   }
-  way += collider.last_turn() * arm;
+  max_displacement += collider.last_turn() * arm;
 
   double share = 0;
   for (int step = 0; step < max_approaches && share < 1; ++step) {
     const Triangle t = local_at(collider, from, to, share);
-    auto found = face_distance(collider.shape(), t, offset + (1 - share) * way);
+    auto found = face_distance(collider.shape(), t, offset + (1 - share) * max_displacement);
     if (!found) return std::nullopt;
     if (found->value > offset && step + 1 < max_approaches) {
-      share += (found->value - offset / 2) / way;
+      share += (found->value - offset / 2) / max_displacement;
       continue;
     }
     if (share == 0 && found->value < 0) return std::nullopt;

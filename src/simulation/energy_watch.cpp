@@ -46,9 +46,10 @@ struct Drive {
   Points pushed;  // by colliders, possibly
 };
 
-void take(int i, const Vector3& way, int count, Points& ways) {
-  if (ways.size() == 0) ways.setZero(count, 3);
-  if (way.squaredNorm() > ways.row(i).squaredNorm()) ways.row(i) = way.transpose();
+void take(int i, const Vector3& displacement, int count, Points& displacements) {
+  if (displacements.size() == 0) displacements.setZero(count, 3);
+  if (displacement.squaredNorm() > displacements.row(i).squaredNorm())
+    displacements.row(i) = displacement.transpose();
 }
 
 bool moves(const MovingCollider& collider) {
@@ -99,29 +100,30 @@ double turn_of(const PatchBend& bend, const State& before, const Scalars& length
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const auto& bend) {
-    double way = turn_of(bend, before, lengths);  // of the stencil
+    double displacement = turn_of(bend, before, lengths);  // of the stencil
     for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      way += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
+      displacement += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
     }
-    if (way == 0) return;
-    work += bend.stiffness * (bend.deviation(before.positions).norm() * way + way * way / 2);
+    if (displacement == 0) return;
+    work += bend.stiffness * (bend.deviation(before.positions).norm() * displacement +
+                              displacement * displacement / 2);
   });
   return work;
 }
 
 /// The same against the membrane of a mesh: pulls |s| on squared edges q, which change by at most
 /// 2 l s + s^2 =: d, and d |K| d / 2.
-double work_on_membrane(const Cloth& cloth, const State& before, const Points& ways) {
+double work_on_membrane(const Cloth& cloth, const State& before, const Points& displacements) {
   double work = 0;
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const std::array<int, 3>& corners = cloth.triangles[t];
     const Vector3 q = squared_edges(corners, before.positions);
     Vector3 change;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = ways.row(corners[k]), b = ways.row(corners[(k + 1) % 3]);
-      const double way = std::max({a.norm(), b.norm(), (b - a).norm()});
+      const auto a = displacements.row(corners[k]), b = displacements.row(corners[(k + 1) % 3]);
+      const double displacement = std::max({a.norm(), b.norm(), (b - a).norm()});
       const auto i = static_cast<Eigen::Index>(k);
-      change[i] = (2 * std::sqrt(q[i]) + way) * way;
+      change[i] = (2 * std::sqrt(q[i]) + displacement) * displacement;
     }
     if (change.isZero(0)) continue;
     const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
@@ -133,18 +135,20 @@ double work_on_membrane(const Cloth& cloth, const State& before, const Points& w
 
 /// Work [J] against springs when points are driven: F s + k s^2 / 2, with F the initial force and s
 /// the displacement, for springs with one or both ends driven.
-double work_on_springs(const Cloth& cloth, const State& before, const Points& ways) {
-  if (ways.size() == 0) return 0;
-  const Scalars lengths = ways.rowwise().norm();
+double work_on_springs(const Cloth& cloth, const State& before, const Points& displacements) {
+  if (displacements.size() == 0) return 0;
+  const Scalars lengths = displacements.rowwise().norm();
   if (cloth.is_mesh()) {
-    return work_on_membrane(cloth, before, ways) + work_on_bends(cloth, before, lengths);
+    return work_on_membrane(cloth, before, displacements) + work_on_bends(cloth, before, lengths);
   }
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     if (lengths[a] == 0 && lengths[b] == 0) return;  // nearly all where a pin is moved
-    const double way = std::max({lengths[a], lengths[b], (ways.row(b) - ways.row(a)).norm()});
+    const double displacement =
+        std::max({lengths[a], lengths[b], (displacements.row(b) - displacements.row(a)).norm()});
     const double length = (before.positions.row(b) - before.positions.row(a)).norm();
-    work += run.stiffness * (std::abs(length - run.rest_length) * way + way * way / 2);
+    work += run.stiffness *
+            (std::abs(length - run.rest_length) * displacement + displacement * displacement / 2);
   });
   return work + work_on_bends(cloth, before, lengths);
 }

@@ -22,16 +22,16 @@ struct FrameContext {
   int planned_steps = 0;           // substeps for which this one detects, including it
   int steps_left = 0;              // next substeps that may still skip detection
   double since = 0;                // time since the detection, with the current substep [s]
-  double gone = 0;                 // displacement of a point and a collider since then, at most [m]
-  double may_go = 0;               // the same until the next detection [m]
+  double undetected_move = 0;      // displacement of a point and a collider since then, at most [m]
+  double max_undetected_move = 0;  // the same until the next detection [m]
   double collider_speed = 0;       // largest of colliders in reach until then [m/s]
   PassTolerances tolerances = {};  // of the solution, since the detection
   bool is_apart = false;           // all colliders are expected out of reach
-  double allowed_way = 0;          // displacement of points for which this holds [m]
-  double approach_speed = 0;       // of colliders in reach relative to the cloth [m/s]
-  bool is_fast = false;            // at that speed springs may be torn open within the frame
-  double stretch = 0;              // worst at the frame's start, where colliders need it
-  Vector3 wind{0, 0, 0};           // [m/s], where there is air
+  double allowed_displacement = 0;      // displacement of points for which this holds [m]
+  double approach_speed = 0;            // of colliders in reach relative to the cloth [m/s]
+  bool is_fast = false;                 // at that speed springs may be torn open within the frame
+  double stretch = 0;                   // worst at the frame's start, where colliders need it
+  Vector3 wind{0, 0, 0};                // [m/s], where there is air
   double external_acceleration = 0;     // largest by external forces [m/s^2]
   bool recovers = false;                // colliders have pushed out points
   bool projection_unconverged = false;  // some springs stayed over their limit

@@ -336,7 +336,7 @@ struct Rule {
 };
 
 constexpr Rule rules[] = {
-    {Reason::error_unforetold, [](const Offer& o) { return !o.error && o.real_time; },
+    {Reason::error_not_predicted, [](const Offer& o) { return !o.error && o.real_time; },
      best<explicit_or_stiff>},
     {Reason::cheapest_within_tolerance, [](const Offer& o) { return o.accurate && o.real_time; },
      cheapest_and_stiff},

@@ -11,7 +11,7 @@ const char* clause_of(Reason reason) {
       return "named by the scene";
     case Reason::no_springs:
       return "no springs to integrate";
-    case Reason::error_unforetold:
+    case Reason::error_not_predicted:
       return "no error can be foretold without gravity, or as a stiff cloth rings: of the methods "
              "in real time an explicit one, else one that does not soften springs";
     case Reason::cheapest_within_tolerance:

@@ -121,7 +121,7 @@ void Simulator::Impl::snap_to_targets() {
 
 bool Simulator::Impl::recover() {
   const SimulationSpec& spec = scene.simulation;
-  if (spec.method != "auto" || method->choice.method == refuge) return false;
+  if (spec.method != "auto" || method->choice.method == fallback_method) return false;
   const Reasons failed(Reason::method_failed, method->choice.method);
   method = last_resort(spec, cloth, scene.colliders, failed);
   return true;

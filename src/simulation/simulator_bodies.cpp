@@ -95,12 +95,12 @@ bool Simulator::Impl::has_good_bodies() const {
 }
 
 int Simulator::Impl::substeps_of_bodies(double dt) const {
-  const double steps = way_of_bodies(dt) / bodies.least_depth();
+  const double steps = displacement_of_bodies(dt) / bodies.least_depth();
   return static_cast<int>(std::clamp(std::ceil(steps), 1.0, double{max_substeps}));
 }
 
-double Simulator::Impl::way_of_bodies(double dt) const {
-  return dt * (bodies.longest_way(1) + dt * scene.simulation.gravity.norm());
+double Simulator::Impl::displacement_of_bodies(double dt) const {
+  return dt * (bodies.longest_displacement(1) + dt * scene.simulation.gravity.norm());
 }
 
 std::size_t Simulator::Impl::body_index(int index) const {

@@ -73,11 +73,11 @@ double speed_within(const Points& velocities) {
 
 /// x += way (v - followed), followed = v. `count`: numbers in each array.
 CLOTHSIM_TARGET_CLONES
-void follow(Eigen::Index count, double way, const double* velocities, double* followed,
+void follow(Eigen::Index count, double impulse_time, const double* velocities, double* followed,
             double* positions) {
 #pragma GCC ivdep
   for (Eigen::Index i = 0; i < count; ++i) {
-    positions[i] += way * (velocities[i] - followed[i]);
+    positions[i] += impulse_time * (velocities[i] - followed[i]);
     followed[i] = velocities[i];
   }
 }
@@ -159,9 +159,9 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
 }
 
 /// Moves points by the changes of their velocities since the last call.
-void Simulator::Impl::follow_velocities(double way) {
+void Simulator::Impl::follow_velocities(double impulse_time) {
   workers.parallel_for(static_cast<int>(followed.size()), [&](int begin, int end) {
-    follow(end - begin, way, state.velocities.data() + begin, followed.data() + begin,
+    follow(end - begin, impulse_time, state.velocities.data() + begin, followed.data() + begin,
            state.positions.data() + begin);
   });
 }
@@ -187,11 +187,11 @@ ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
   step.budget = &budget;
   step.touches = &touches_of_itself;
   step.velocities = &start_velocities;
-  step.held = &collider_contacts.pinches().held();
+  step.pinched = &collider_contacts.pinches().held();
   if (frame_context.since > h) step.detected_at = &detected_at;
   step.since = frame_context.since;
   step.ahead = h * (frame_context.planned_steps + frame_context.steps_left);
-  step.way = frame_context.may_go;
+  step.undetected = frame_context.max_undetected_move;
   if (!bodies.empty()) step.bodies = &bodies;
   return step;
 }
@@ -218,10 +218,10 @@ void Simulator::Impl::project_beside_truncated(const ContactStep& step, StepRepo
   if (!colliders.empty()) {
     collider_contacts.project_again(colliders, cloth, held.positions, state.positions);
   }
-  ContactStep way{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
-  way.budget = step.budget;
+  ContactStep guarded{step.h, step.displacement_factor, held.positions, step.drifted, step.workers};
+  guarded.budget = step.budget;
   const Points projected = state.positions;  // so that the guard drops no part of it
-  self_contacts->guard(cloth, way, projected, state);
+  self_contacts->guard(cloth, guarded, projected, state);
   state.velocities = held.velocities;
 }
 

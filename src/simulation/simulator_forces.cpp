@@ -30,9 +30,9 @@ double Simulator::Impl::max_external_acceleration() const {
 double Simulator::Impl::work_of_external_forces(double dt, const State& before) const {
   if (external_forces.rows() == 0) return 0;
   const Scalars strength = external_forces.rowwise().norm();
-  const Scalars ways = (state.positions - before.positions).rowwise().norm();
+  const Scalars displacements = (state.positions - before.positions).rowwise().norm();
   const auto from_rest = dt * dt * strength.array().square() * cloth.inv_mass.array();
-  return (strength.array() * ways.array() + from_rest).sum();
+  return (strength.array() * displacements.array() + from_rest).sum();
 }
 
 void Simulator::set_forces(const Points& forces) {
@@ -64,10 +64,10 @@ std::vector<double> Simulator::tensions() const {
         edge_tensions(cloth(), now.positions, is_damped(cloth()) ? &now.velocities : nullptr);
   } else {
     for_each_spring(cloth(), [&](const SpringRun& run, int a, int b) {
-      const Vector3 way = (now.positions.row(b) - now.positions.row(a)).transpose();
+      const Vector3 along = (now.positions.row(b) - now.positions.row(a)).transpose();
       const Vector3 rate = (now.velocities.row(b) - now.velocities.row(a)).transpose();
-      const double length = way.norm();
-      const double parting = length > 0 ? rate.dot(way) / length : 0;
+      const double length = along.norm();
+      const double parting = length > 0 ? rate.dot(along) / length : 0;
       tensions.push_back(run.stiffness * (length - run.rest_length + viscous * parting));
     });
   }

@@ -58,8 +58,8 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   if (!take_substeps(steps, before, report) || !is_good(state) || !has_good_bodies()) {
     return Outcome::failed;
   }
-  if (frame_context.is_apart &&
-      longest_way(before.positions, state.positions) > frame_context.allowed_way) {
+  if (frame_context.is_apart && longest_displacement(before.positions, state.positions) >
+                                    frame_context.allowed_displacement) {
     return Outcome::went_too_far;
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
@@ -220,14 +220,15 @@ bool Simulator::Impl::is_out_of_reach() {
   const double edge = shortest_rest_length(cloth);
   const double pull = scene.simulation.gravity.norm() + frame_context.external_acceleration;
   const double own = longest_row(state.velocities) + pull * frame_context.dt;
-  frame_context.allowed_way = 2 * own * frame_context.dt + edge;
+  frame_context.allowed_displacement = 2 * own * frame_context.dt + edge;
   // Contact begins at this distance of the surfaces.
   const double apart = edge + cloth.thickness;
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     const MovingCollider& collider = colliders[k];
-    const double way = bodies.is_body(k) ? way_of_bodies(frame_context.dt)
-                                         : collider.max_speed_in(box) * frame_context.dt;
-    if (collider.reaches(box, apart + frame_context.allowed_way + way)) return false;
+    const double displacement = bodies.is_body(k) ? displacement_of_bodies(frame_context.dt)
+                                                  : collider.max_speed_in(box) * frame_context.dt;
+    if (collider.reaches(box, apart + frame_context.allowed_displacement + displacement))
+      return false;
   }
   return true;
 }

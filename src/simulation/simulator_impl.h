@@ -27,7 +27,7 @@
 namespace clothsim {
 
 /// The method of `auto` after a failed frame: implicit Euler never increases the energy.
-inline constexpr const char* refuge = ImplicitEuler::name;
+inline constexpr const char* fallback_method = ImplicitEuler::name;
 
 /// Largest coordinate of points on each axis [m].
 inline constexpr double farthest = place_range.max;
@@ -64,7 +64,7 @@ struct Method {
 /// for the constraints may be the cause of the failure.
 inline Method last_resort(SimulationSpec spec, const Cloth& cloth,
                           const std::vector<ColliderSpec>& colliders, const Reasons& reasons) {
-  spec.method = refuge;
+  spec.method = fallback_method;
   Method method(spec, cloth, colliders);
   method.choice.reasons = reasons;
   method.choice.min_substeps = 1;
@@ -226,7 +226,7 @@ struct Simulator::Impl {
   /// Substeps of a frame of dt [s] in which no body passes through another collider.
   int substeps_of_bodies(double dt) const;
   /// Bound on the displacement of a body's surface in dt [s], with collisions on its way [m].
-  double way_of_bodies(double dt) const;
+  double displacement_of_bodies(double dt) const;
 
   StepReport step();
   /// Tries a frame until it succeeds. Throws Diverged where nothing is left to try.
@@ -272,7 +272,7 @@ struct Simulator::Impl {
   }
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
   /// Moves points by the changes of their velocities since the last call: x += way dv.
-  void follow_velocities(double way);
+  void follow_velocities(double impulse_time);
   /// Corrects the violations that curvature and early ends of passes leave in the positions.
   void correct_positions(bool runs_detection, StepReport&);
   /// `inert`: the cloth with the inertia of this step.
@@ -346,7 +346,8 @@ struct Simulator::Impl {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// Are all colliders out of reach in this frame? Sets allowed_way, the points' displacement.
+  /// Are all colliders out of reach in this frame? Sets allowed_displacement, the points'
+  /// displacement.
   bool is_out_of_reach();
   /// The cloth with the added inertia in a step of h [s].
   const Cloth& add_tension_mass(double h);

@@ -97,7 +97,7 @@ Method Simulator::Impl::read_method(MemoryReader& memory) const {
   const std::vector<std::string> names = method_names();
   const std::string& name = names[static_cast<std::size_t>(memory.index(names.size()))];
   if (name == method_of_scene.choice.method) return method_of_scene;
-  if (scene.simulation.method != "auto" || name != refuge) {
+  if (scene.simulation.method != "auto" || name != fallback_method) {
     throw InvalidValue({"memory"}, "method " + name, method_of_scene.choice.method);
   }
   return last_resort(scene.simulation, free, scene.colliders, Reason::failed_before_set_state);

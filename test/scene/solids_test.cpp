@@ -113,9 +113,11 @@ TEST(FabricOnARim, MovesAsIfEachSubstepRanDetection) {
     for (int frame = 1; frame < 30; ++frame) {
       skipping.step();
       detecting.step();
-      apart = std::max(apart, longest_way(skipping.state().positions, detecting.state().positions));
+      apart = std::max(
+          apart, longest_displacement(skipping.state().positions, detecting.state().positions));
     }
-    const double moved = longest_way(skipping.state().positions, skipping.cloth().rest_positions);
+    const double moved =
+        longest_displacement(skipping.state().positions, skipping.cloth().rest_positions);
     EXPECT_GT(moved, 0.04) << "it bends down";
     EXPECT_LT(apart, c.apart * moved);
   }

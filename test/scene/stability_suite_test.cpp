@@ -151,9 +151,9 @@ TEST(Recovery, ReportsWhatTheLastAttemptDid) {
     const StepReport report = simulator.step();
     if (report.recoveries == 0) continue;
     ASSERT_EQ(report.method, "implicit_euler");
-    Scene refuge = scene;
-    refuge.simulation.method = report.method;
-    Simulator other(refuge);
+    Scene fallback_method = scene;
+    fallback_method.simulation.method = report.method;
+    Simulator other(fallback_method);
     pull(other, 2);
     other.step();
     other.set_state(before);

@@ -105,7 +105,7 @@ TEST(CrossingGuard, WhatItHoldsBackGoesAlongWithWhatCollidersHold) {
     const Eigen::RowVector3d way(0.01, 0, -5 * thickness);
     for (const int i : {6, 7, 14, 15}) state.positions.row(i) += way;
     ContactStep contact_step{h, displacement_factor, at_start.positions, state.velocities, alone};
-    if (any_held) contact_step.held = &held;
+    if (any_held) contact_step.pinched = &held;
     SelfContacts contacts(cloth, SelfCollision::surface);
     contacts.prepare(cloth, contact_step, state);
     EXPECT_GT(contacts.guard(cloth, contact_step, Points(state.positions), state), 0);

@@ -271,13 +271,13 @@ TEST(MethodChoice, OfARibbonOfSteelThatRingsNothingIsForetold) {
     const Scene ribbon = ribbon_of(ks);
     const MethodChoice chosen = choice(ribbon);
     EXPECT_EQ(chosen.method, "verlet") << ks;
-    EXPECT_EQ(chosen.reasons.all(), std::set{Reason::error_unforetold}) << ks;
+    EXPECT_EQ(chosen.reasons.all(), std::set{Reason::error_not_predicted}) << ks;
     EXPECT_FALSE(chosen.predicted_error) << ks;
     EXPECT_LT(chosen.predicted_cost.value(), 1) << ks;
     Simulator simulator(ribbon);
     for (int frame = 0; frame < 45; ++frame) {
       const StepReport report = simulator.step();
-      EXPECT_EQ(report.reasons.all(), std::set{Reason::error_unforetold}) << ks;
+      EXPECT_EQ(report.reasons.all(), std::set{Reason::error_not_predicted}) << ks;
       EXPECT_EQ(report.recoveries, 0) << ks;
       EXPECT_LT(report.worst_stretch, 1e-3) << ks;
     }
@@ -354,7 +354,7 @@ TEST(MethodChoice, WithoutGravityAnExplicitMethodAndNoErrorForetold) {
   scene.simulation.gravity.setZero();
   const MethodChoice chosen = choice(scene);
   EXPECT_EQ(chosen.method, "verlet");
-  EXPECT_TRUE(chosen.reasons.has(Reason::error_unforetold));
+  EXPECT_TRUE(chosen.reasons.has(Reason::error_not_predicted));
   EXPECT_FALSE(chosen.predicted_error);
   EXPECT_TRUE(chosen.predicted_cost);
 

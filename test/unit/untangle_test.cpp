@@ -75,8 +75,8 @@ TEST(Untangle, TakesAFoldApartThatCrossesItself) {
   EXPECT_EQ(result.before, pairs);
   EXPECT_EQ(result.left, 0);
   EXPECT_EQ(count_intersections(simulator.cloth(), positions), 0);
-  EXPECT_LT(longest_way(before, positions), 0.02);  // about as deep as it was
-  EXPECT_GE(positions.col(2).minCoeff(), -1e-12);   // not into the ground
+  EXPECT_LT(longest_displacement(before, positions), 0.02);  // about as deep as it was
+  EXPECT_GE(positions.col(2).minCoeff(), -1e-12);            // not into the ground
   // The wave's low part is above the other half again, and the rest is not below.
   const int high = 5 * 25 + 24, low = 18 * 25 + 24;  // of the free edge
   EXPECT_GT(positions(high, 2), 0.02);

@@ -129,17 +129,18 @@ class ColliderContacts {
     std::vector<Span> near;    // blocks that may touch it before the next detection, ascending
     std::vector<Span> inside;  // blocks that may be in it as a step ends
     double friction = 0;
-    double keeps = 0;                // distance that points keep from its surface [m]
-    double within = 0;               // distance within which blocks are `near` [m]
-    double moved = 0;                // displacement of its surface in this step, at most [m]
-    bool has_faces = false;          // whether triangles may touch it in this step
-    bool is_clear = false;           // no free point was in it as the last step ended
-    bool is_close = false;           // whether this step checks its points one by one
-    std::optional<Vector3> way_out;  // common direction in which points leave it, own frame, unit
-    std::vector<char> leaves;        // by point: it leaves along way_out
+    double keeps = 0;        // distance that points keep from its surface [m]
+    double within = 0;       // distance within which blocks are `near` [m]
+    double moved = 0;        // displacement of its surface in this step, at most [m]
+    bool has_faces = false;  // whether triangles may touch it in this step
+    bool is_clear = false;   // no free point was in it as the last step ended
+    bool is_close = false;   // whether this step checks its points one by one
+    std::optional<Vector3>
+        exit_direction;        // common direction in which points leave it, own frame, unit
+    std::vector<char> leaves;  // by point: it leaves along exit_direction
     std::vector<Solid::Neighbourhood> neighbourhoods;  // of points, on a mesh
 
-    Asked asked(const MovingCollider&, const Cloth&, double near);
+    MeshQuery asked(const MovingCollider&, const Cloth&, double near);
   };
 
   /// Points and triangles that were in a collider when a step began, with the depth of the points
@@ -218,7 +219,7 @@ class ColliderContacts {
               const Points& positions);
 
   /// Points in a collider have been moved out by `way` [m] at most.
-  void moved_out(std::size_t collider, double way);
+  void moved_out(std::size_t collider, double displacement);
   /// Moves points that are in any collider out.
   void project_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                    Points& positions);

@@ -73,7 +73,7 @@ class ContactSlots {
   struct Detector {
     /// `offset`: that points keep from the surface, those of the thickest cloth [m]. `asked`: for
     /// all points. Nothing farther away than its `near` can touch.
-    Detector(const MovingCollider&, const Cloth&, double offset, const Asked& asked);
+    Detector(const MovingCollider&, const Cloth&, double offset, const MeshQuery& asked);
 
     const MovingCollider& collider;
     const Cloth& cloth;
@@ -86,10 +86,10 @@ class ContactSlots {
     void add_nearer(int first, int count, double* distances) const;
 
     /// `asked` for the points from `first` on.
-    Asked asked(int first) const;
+    MeshQuery asked(int first) const;
 
    private:
-    Asked asked_;
+    MeshQuery asked_;
   };
 
   /// Keeps the contacts of the last step for a warm start.

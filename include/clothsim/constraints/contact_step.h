@@ -47,12 +47,12 @@ struct ContactStep {
   const SelfTouches* touches = nullptr;  // in this step; none: the cloth does not touch itself
   const Points* velocities = nullptr;    // at its start [m/s]; none: `drifted`
   // By point, whether colliders hold it once contacts have been found; none or empty: none.
-  const std::vector<char>* held = nullptr;
+  const std::vector<char>* pinched = nullptr;
   // For steps that use the contacts of an earlier detection:
   const Points* detected_at = nullptr;  // positions at the detection; none: start
   double since = h;                     // time since the detection, at the step's end [s]
   double ahead = h;                     // time until the next detection [s]
-  double way = 0;                       // displacement of points until then, beyond the step's [m]
+  double undetected = 0;                // displacement of points until then, beyond the step's [m]
   RigidBodies* bodies = nullptr;        // in this step; none: all colliders are kinematic
 
   void spend(std::int64_t visits) const {

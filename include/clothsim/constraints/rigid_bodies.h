@@ -104,7 +104,7 @@ class RigidBodies {
 
   /// Bound on the displacement of two surfaces towards each other in a step of h [s], at the
   /// present velocities [m].
-  double longest_way(double h) const;
+  double longest_displacement(double h) const;
 
   /// Ends a step: displaces bodies by the changes of their velocities, and by `pushes`, whose
   /// velocities are displacements, by leader. Empty: none.

@@ -31,7 +31,7 @@ class MotionBound {
   void update(const Points& start, const Points& now);
 
   /// They have moved on by `way` [m] at most.
-  void add(double way) { total_ += way; }
+  void add(double displacement) { total_ += displacement; }
 
   /// The step ends with the points at `now`.
   void end(const Points& now) { seen_ = now; }

@@ -36,10 +36,10 @@ void add_fall(const Cloth&, const Loads&, double h, State&);
 
 /// First half of the methods of implicit Euler's family: a step of h [s] without springs, v = v
 /// exp(-c h) + g (1 - exp(-c h)) / c, then x += h v, plus add_fall(). Pins keep their velocity.
-void coast(const Cloth&, const Loads&, double h, State&);
+void free_step(const Cloth&, const Loads&, double h, State&);
 
 /// Inertia m_i / (h (1 - exp(-c h)) / c) [N/m] of the points against springs that move them after
-/// coast(): m / h^2 without drag. Zero at pins.
-Scalars coast_weights(const Cloth&, double h);
+/// free_step(): m / h^2 without drag. Zero at pins.
+Scalars free_step_weights(const Cloth&, double h);
 
 }  // namespace clothsim

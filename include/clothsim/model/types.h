@@ -26,7 +26,7 @@ double longest_row(const Points& vectors);
 double farthest_from(const Vector3& origin, const Points&);
 
 /// Length of the longest displacement of a point.
-double longest_way(const Points& from, const Points& to);
+double longest_displacement(const Points& from, const Points& to);
 
 /// Length of the longest of some vectors, or displacements, relative to the mean of all. No
 /// vectors: 0.

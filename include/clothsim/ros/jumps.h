@@ -17,7 +17,7 @@ class JumpWatch {
 
   /// To be called for each `frame` [s] of simulation, with the distance of the transform from the
   /// last one [m]: is it a jump?
-  bool jumps(double way, double frame);
+  bool jumps(double distance, double frame);
 
  private:
   double jump_speed_;
@@ -45,7 +45,7 @@ class SpeedLimit {
 
  private:
   /// The share from 0 to 1 of a way [m] that is within the limit.
-  double share(double way, double frame, const std::string& name);
+  double share(double distance, double frame, const std::string& name);
 
   double speed_;
   Throttle warnings_{ros::WallDuration(5)};

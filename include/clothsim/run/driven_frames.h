@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "clothsim/run/pose_way.h"
+#include "clothsim/run/pose_trajectory.h"
 #include "clothsim/simulation/simulator.h"
 
 namespace clothsim {
@@ -14,7 +14,7 @@ namespace clothsim {
 class FrameMotion {
  public:
   explicit FrameMotion(const Pose& pose = {}, const Twist& twist = {})
-      : pose_(pose), twist_(twist), way_(pose) {}
+      : pose_(pose), twist_(twist), trajectory_(pose) {}
 
   /// Starts towards `target`, to arrive after `frames` frames of `frame_duration` [s] each.
   void set_target(const FrameTarget& target, int frames, double frame_duration);
@@ -30,13 +30,13 @@ class FrameMotion {
   /// For an archive that writes or reads its arguments.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(pose_, twist_, way_, frames_, done_);
+    archive(pose_, twist_, trajectory_, frames_, done_);
   }
 
  private:
   Pose pose_;
   Twist twist_;
-  PoseWay way_;
+  PoseTrajectory trajectory_;
   int frames_ = 0;  // until the target
   int done_ = 0;    // of `frames_`
 };

@@ -121,8 +121,8 @@ class NearPairs {
   // near_pairs.cpp: patches, and when they are measured.
   std::vector<std::array<int, 2>> near_patches(const std::vector<Box>&, const Workers&) const;
   void pair_patches(const Workers&);
-  void foresee(const Points& ends, const Workers&);
-  void be_at(const Points& positions, const Workers&);
+  void bound_motion(const Points& ends, const Workers&);
+  void move_to(const Points& positions, const Workers&);
   template <typename Condition>
   std::vector<PatchPair*> select(const Workers&, const Condition& meets);
   void shape(const std::vector<PatchPair*>& due, const Workers&);

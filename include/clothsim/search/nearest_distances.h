@@ -10,7 +10,7 @@
 #include "clothsim/geometry/surface_pair.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/search/patches.h"
-#include "clothsim/search/rest_ways.h"
+#include "clothsim/search/rest_offsets.h"
 #include "clothsim/search/tiles.h"
 
 namespace clothsim {
@@ -63,7 +63,7 @@ class NearestDistances {
   /// For patches p <= q: at least the largest of each pair of tiles, over the features that count
   /// [m].
   const TileShapes::PairValues& of_patches(int p, int q) const {
-    return of_patches_[number(patch_ways_, p, q)];
+    return of_patches_[number(patch_offsets_, p, q)];
   }
   bool at_border(int tile) const {
     return tiling_->at(tile).own[Tiling::own_point] == Tiling::border;
@@ -84,7 +84,7 @@ class NearestDistances {
   double spacing() const { return spacing_; }
 
  private:
-  using Ways = std::variant<NearWays, GridWays>;
+  using Offsets = std::variant<NearOffsets, GridOffsets>;
   /// For two tiles, as if at the border, and inside.
   struct Tiles {
     double max;  // where they are no neighbours [m]
@@ -92,13 +92,13 @@ class NearestDistances {
     OfTiles inside;
   };
 
-  static std::size_t number(const Ways& ways, int from, int to) {
+  static std::size_t number(const Offsets& offsets, int from, int to) {
     return static_cast<std::size_t>(
-        std::visit([&](const auto& of) { return of.number(from, to); }, ways));
+        std::visit([&](const auto& of) { return of.number(from, to); }, offsets));
   }
   const Tiles& tiles(int a, int b) const {
-    const std::size_t own = number(tile_ways_, a, b);
-    return tiles_[own != NearWays::far || cloths_.empty() ? own : far_number(a, b)];
+    const std::size_t own = number(tile_offsets_, a, b);
+    return tiles_[own != NearOffsets::far || cloths_.empty() ? own : far_number(a, b)];
   }
   /// Number of tiles that are no neighbours, by the cloths that they are of.
   std::size_t far_number(int a, int b) const {
@@ -120,7 +120,7 @@ class NearestDistances {
   /// Distance at rest beyond which tiles of one cloth are no neighbours [m].
   double neighbours_within(const Patch&) const;
   Tiles make_tiles_of_mesh(double max, int a, int b, const Points& rest);
-  Tiles make_tiles_of_grid(const Eigen::Vector2i& way, const Eigen::Vector2d& spacing) const;
+  Tiles make_tiles_of_grid(const Eigen::Vector2i& offset, const Eigen::Vector2d& spacing) const;
   float max_distance(const Tiles&) const;
 
   std::shared_ptr<const Tiling> tiling_;
@@ -129,7 +129,7 @@ class NearestDistances {
   std::vector<std::size_t> cloths_;  // of tiles; empty: one
   double spacing_;
   double min_at_rest_;
-  Ways tile_ways_, patch_ways_;
+  Offsets tile_offsets_, patch_offsets_;
   std::vector<Tiles> tiles_;  // of a mesh: first by far_number()
   std::vector<TileShapes::PairValues> of_patches_;
 };

@@ -41,8 +41,8 @@ class PatchMotions {
   double max() const { return 2 * longest_; }
 
  private:
-  std::vector<Box> ways_;  // of the displacements of each patch's points [m]
-  double longest_ = 0;     // largest displacement relative to the mean of all [m]
+  std::vector<Box> displacements_;  // of the displacements of each patch's points [m]
+  double longest_ = 0;              // largest displacement relative to the mean of all [m]
 };
 
 }  // namespace clothsim

@@ -24,7 +24,8 @@ struct Capsule {
     const double on_axis = below > -half ? below : -half;
     return about_core(x, y, z - on_axis, radius, Vector3::UnitX());
   }
-  std::optional<double> entry(const Vector3& from, const Vector3& way, double offset) const;
+  std::optional<double> entry(const Vector3& from, const Vector3& displacement,
+                              double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
   void visit_lines(const Triangle&, const Vector3&, double, const VisitLine& visit) const {
     visit({0, 0, -length / 2}, {0, 0, length / 2}, radius);

@@ -35,7 +35,8 @@ struct Cuboid {
             (y < 0 ? -1.0 : 1.0) * (inside ? ay : oy / s),
             (z < 0 ? -1.0 : 1.0) * (inside ? az : oz / s)};
   }
-  std::optional<double> entry(const Vector3& from, const Vector3& way, double offset) const;
+  std::optional<double> entry(const Vector3& from, const Vector3& displacement,
+                              double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
   void visit_lines(const Triangle&, const Vector3& normal, double reach, const VisitLine&) const;
   bool may_touch(const Box&, const Triangle*, double reach) const;

@@ -22,7 +22,8 @@ struct MeshShape {
   double bounding_radius() const;
   double corner_distance(double edge, double offset) const;
   NearSurface near_surface(double x, double y, double z, double) const;
-  std::optional<double> entry(const Vector3& from, const Vector3& way, double offset) const;
+  std::optional<double> entry(const Vector3& from, const Vector3& displacement,
+                              double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
   void visit_lines(const Triangle&, const Vector3& normal, double reach, const VisitLine&) const;
   bool may_touch(const Box&, const Triangle*, double reach) const;

@@ -16,7 +16,7 @@ struct Frame {
 };
 
 /// Options of a query to a mesh; other shapes ignore them.
-struct Asked {
+struct MeshQuery {
   double near = infinity;                          // [m] see Solid::distance_within()
   Solid::Neighbourhood* neighbourhoods = nullptr;  // of the points; null: not kept
 };
@@ -25,7 +25,7 @@ struct Asked {
 /// their normals in the world. `sides`: where the points came from, when the solid was at `before`;
 /// see signed_distance(). `asked`: options for a mesh.
 void signed_distances(const Shape&, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, const Asked& asked, double* distances,
+                      PointRun sides, int count, const MeshQuery& asked, double* distances,
                       MutablePointRun normals);
 
 }  // namespace clothsim

@@ -104,10 +104,10 @@ class Solid {
       const Corners& corners = corners_[static_cast<std::size_t>(face)];
       if (bound.of(corners) > 0) return;
       for (std::size_t i = 0; i < 3; ++i) {
-        const Vector3 way = t[(i + 1) % 3] - t[i];
-        const double share = hit_by_ray(t[i], way, corners);
+        const Vector3 along = t[(i + 1) % 3] - t[i];
+        const double share = hit_by_ray(t[i], along, corners);
         if (share > 1) continue;
-        visit(i, Vector3(t[i] + share * way), faces_[static_cast<std::size_t>(face)].normal);
+        visit(i, Vector3(t[i] + share * along), faces_[static_cast<std::size_t>(face)].normal);
       }
     });
   }

@@ -18,7 +18,8 @@ struct Sphere {
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
     return about_core(x, y, z, radius, Vector3::UnitZ());
   }
-  std::optional<double> entry(const Vector3& from, const Vector3& way, double offset) const;
+  std::optional<double> entry(const Vector3& from, const Vector3& displacement,
+                              double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
   void visit_lines(const Triangle&, const Vector3&, double, const VisitLine&) const {}
   bool may_touch(const Box&, const Triangle*, double reach) const;

@@ -10,7 +10,7 @@ enum class Reason {
   // For the choice of a method.
   named_by_scene,
   no_springs,
-  error_unforetold,
+  error_not_predicted,
   cheapest_within_tolerance,
   most_accurate_in_real_time,
   none_in_real_time,

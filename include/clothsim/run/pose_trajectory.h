@@ -10,14 +10,14 @@ namespace clothsim {
 /// straight line at constant speed, and the frame turns at constant speed by at most half a turn
 /// (slerp). With one, position and rotation vector are cubics (Hermite) with the given twists at
 /// both ends, so that consecutive trajectories have a continuous velocity.
-class PoseWay {
+class PoseTrajectory {
  public:
   /// Stays at `pose`.
-  explicit PoseWay(const Pose& pose) : start_(pose), end_(pose) {}
+  explicit PoseTrajectory(const Pose& pose) : start_(pose), end_(pose) {}
 
   /// `duration` > 0 [s]. `start_twist` is used where `end_twist` is given.
-  PoseWay(const Pose& start, const Twist& start_twist, const Pose& end,
-          const std::optional<Twist>& end_twist, double duration);
+  PoseTrajectory(const Pose& start, const Twist& start_twist, const Pose& end,
+                 const std::optional<Twist>& end_twist, double duration);
 
   /// The pose at a share from 0 to 1 of the duration. At 1 the end, to the last bit.
   Pose pose_at(double share) const;
@@ -35,7 +35,7 @@ class PoseWay {
   /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1. `first` and `last`:
   /// differences of the slopes there from d, which may be 0.
   struct Cubic {
-    Vector3 way{0, 0, 0};
+    Vector3 displacement{0, 0, 0};
     Vector3 first{0, 0, 0};
     Vector3 last{0, 0, 0};
 
@@ -44,7 +44,7 @@ class PoseWay {
 
     template <class Archive>
     void serialize(Archive& archive) {
-      archive(way, first, last);
+      archive(displacement, first, last);
     }
   };
 

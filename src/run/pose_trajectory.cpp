@@ -1,4 +1,4 @@
-#include "clothsim/run/pose_way.h"
+#include "clothsim/run/pose_trajectory.h"
 
 #include <cassert>
 #include <cmath>
@@ -38,33 +38,34 @@ Vector3 rotation_rate(const Vector3& r, const Vector3& velocity) {
 
 }  // namespace
 
-Vector3 PoseWay::Cubic::at(double s) const {
-  return s * way + s * (1 - s) * ((1 - s) * first - s * last);
+Vector3 PoseTrajectory::Cubic::at(double s) const {
+  return s * displacement + s * (1 - s) * ((1 - s) * first - s * last);
 }
 
-Vector3 PoseWay::Cubic::slope(double s) const {
-  return way + (1 - s) * (1 - 3 * s) * first + s * (3 * s - 2) * last;
+Vector3 PoseTrajectory::Cubic::slope(double s) const {
+  return displacement + (1 - s) * (1 - 3 * s) * first + s * (3 * s - 2) * last;
 }
 
-PoseWay::PoseWay(const Pose& start, const Twist& start_twist, const Pose& end,
-                 const std::optional<Twist>& end_twist, double duration)
+PoseTrajectory::PoseTrajectory(const Pose& start, const Twist& start_twist, const Pose& end,
+                               const std::optional<Twist>& end_twist, double duration)
     : start_(start), end_(end), duration_(duration) {
   assert(duration > 0);
-  position_.way = end.position - start.position;
-  turn_.way = rotation_vector(start.orientation, end.orientation);
+  position_.displacement = end.position - start.position;
+  turn_.displacement = rotation_vector(start.orientation, end.orientation);
   if (!end_twist) return;
-  position_.first = duration * start_twist.linear - position_.way;
-  position_.last = duration * end_twist->linear - position_.way;
-  turn_.first = duration * start_twist.angular - turn_.way;
-  turn_.last = duration * rotation_rate(turn_.way, end_twist->angular) - turn_.way;
+  position_.first = duration * start_twist.linear - position_.displacement;
+  position_.last = duration * end_twist->linear - position_.displacement;
+  turn_.first = duration * start_twist.angular - turn_.displacement;
+  turn_.last =
+      duration * rotation_rate(turn_.displacement, end_twist->angular) - turn_.displacement;
 }
 
-Pose PoseWay::pose_at(double share) const {
+Pose PoseTrajectory::pose_at(double share) const {
   if (share >= 1) return end_;
   return {start_.position + position_.at(share), turned(start_.orientation, turn_.at(share))};
 }
 
-Twist PoseWay::twist_at(double share) const {
+Twist PoseTrajectory::twist_at(double share) const {
   return {position_.slope(share) / duration_,
           angular_velocity(turn_.at(share), turn_.slope(share) / duration_)};
 }

@@ -1,10 +1,10 @@
-#include "clothsim/run/pose_way.h"
+#include "clothsim/run/pose_trajectory.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace clothsim::pose_way_test {
+namespace clothsim::pose_trajectory_test {
 namespace {
 
 const Vector3 axis = Vector3(1, -2, 0.5).normalized();
@@ -14,7 +14,7 @@ Pose pose(const Vector3& position, double angle, const Vector3& about = axis) {
 }
 
 /// Velocities by central differences of the poses.
-Twist difference(const PoseWay& way, double share, double duration) {
+Twist difference(const PoseTrajectory& way, double share, double duration) {
   const double h = 1e-5;
   const Pose a = way.pose_at(share - h), b = way.pose_at(share + h);
   const Eigen::AngleAxisd turn(b.orientation * a.orientation.conjugate());
@@ -22,9 +22,9 @@ Twist difference(const PoseWay& way, double share, double duration) {
   return {(b.position - a.position) / time, turn.angle() * turn.axis() / time};
 }
 
-TEST(PoseWay, WithoutATwistMovesAreEqualAndTurnsAreSlerp) {
+TEST(PoseTrajectory, WithoutATwistMovesAreEqualAndTurnsAreSlerp) {
   const Pose start = pose({1, 2, 3}, 0.3), end = pose({1.05, 2, 2}, 2.9, Vector3::UnitX());
-  const PoseWay way(start, {{9, 9, 9}, {9, 9, 9}}, end, {}, 0.1);
+  const PoseTrajectory way(start, {{9, 9, 9}, {9, 9, 9}}, end, {}, 0.1);
   for (int k = 0; k <= 9; ++k) {
     const double s = k / 9.0;
     const Pose at = way.pose_at(s);
@@ -36,16 +36,17 @@ TEST(PoseWay, WithoutATwistMovesAreEqualAndTurnsAreSlerp) {
   EXPECT_EQ(way.pose_at(1).orientation.coeffs(), end.orientation.coeffs());
 }
 
-TEST(PoseWay, GoesTheShortWayRound) {
-  const PoseWay way(pose({0, 0, 0}, 3), {}, pose({0, 0, 0}, -3), {}, 1);
+TEST(PoseTrajectory, GoesTheShortWayRound) {
+  const PoseTrajectory way(pose({0, 0, 0}, 3), {}, pose({0, 0, 0}, -3), {}, 1);
   EXPECT_LT(way.pose_at(0.5).orientation.angularDistance(pose({0, 0, 0}, M_PI).orientation), 1e-7);
 }
 
-TEST(PoseWay, BeginsAndEndsWithTheTwists) {
+TEST(PoseTrajectory, BeginsAndEndsWithTheTwists) {
   const Twist first{{0.3, -1, 2}, {1, 0.2, -0.4}}, last{{-2, 0, 0.1}, {-0.3, 2, 0.7}};
   for (const double angle : {0.0, 1e-6, 1.0, 3.1}) {
     const double duration = 0.7;
-    const PoseWay way(pose({1, 0, 0}, 0.4), first, pose({0, 1, 0}, 0.4 + angle), last, duration);
+    const PoseTrajectory way(pose({1, 0, 0}, 0.4), first, pose({0, 1, 0}, 0.4 + angle), last,
+                             duration);
     EXPECT_LT((way.twist_at(0).linear - first.linear).norm(), 1e-12);
     EXPECT_LT((way.twist_at(0).angular - first.angular).norm(), 1e-9);
     EXPECT_LT((way.twist_at(1).linear - last.linear).norm(), 1e-12);
@@ -60,17 +61,17 @@ TEST(PoseWay, BeginsAndEndsWithTheTwists) {
   }
 }
 
-TEST(PoseWay, IsExactForCubics) {
+TEST(PoseTrajectory, IsExactForCubics) {
   const auto position = [](double t) { return Vector3(t * t * t, 2 * t * t - t, 3); };
   const auto velocity = [](double t) { return Vector3(3 * t * t, 4 * t - 1, 0); };
-  const PoseWay way(pose(position(1), 0), {velocity(1), {0, 0, 0}}, pose(position(3), 0),
-                    Twist{velocity(3), {0, 0, 0}}, 2);
+  const PoseTrajectory way(pose(position(1), 0), {velocity(1), {0, 0, 0}}, pose(position(3), 0),
+                           Twist{velocity(3), {0, 0, 0}}, 2);
   for (const double t : {1.0, 1.3, 2.0, 2.9})
     EXPECT_LT((way.pose_at((t - 1) / 2).position - position(t)).norm(), 1e-13) << t;
 }
 
 /// A rotation that tumbles, with its angular velocity: R = Rz(a) Rx(b), w = a' z + b' Rz(a) x.
-TEST(PoseWay, FollowsARotationToFourthOrder) {
+TEST(PoseTrajectory, FollowsARotationToFourthOrder) {
   const auto turn = [](double t) {
     return Eigen::Quaterniond(Eigen::AngleAxisd(std::sin(2 * t), Vector3::UnitZ()) *
                               Eigen::AngleAxisd(t * t, Vector3::UnitX()));
@@ -85,7 +86,8 @@ TEST(PoseWay, FollowsARotationToFourthOrder) {
     double worst = 0;
     for (int k = 0; k < ways; ++k) {
       const double a = 1.0 * k / ways, b = 1.0 * (k + 1) / ways;
-      const PoseWay way({{0, 0, 0}, turn(a)}, twist(a), {{0, 0, 0}, turn(b)}, twist(b), b - a);
+      const PoseTrajectory way({{0, 0, 0}, turn(a)}, twist(a), {{0, 0, 0}, turn(b)}, twist(b),
+                               b - a);
       const Eigen::Quaterniond middle = way.pose_at(0.5).orientation;
       worst = std::max(worst, (middle * turn((a + b) / 2).conjugate()).vec().norm());
     }
@@ -97,4 +99,4 @@ TEST(PoseWay, FollowsARotationToFourthOrder) {
 }
 
 }  // namespace
-}  // namespace clothsim::pose_way_test
+}  // namespace clothsim::pose_trajectory_test
