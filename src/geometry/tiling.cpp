@@ -84,8 +84,6 @@ void Tiling::add(const Tile& tile) {
     of_triangle_[static_cast<std::size_t>(tile.triangles[k])] = number;
   }
   tiles_.push_back(tile);
-  tiles_.back().is_inside = std::all_of(tile.own.begin(), tile.own.end(),
-                                        [](FeaturePlace place) { return place == inside; });
 }
 
 Tiling::Tiling(const SurfaceMesh& mesh)

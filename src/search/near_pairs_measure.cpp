@@ -75,7 +75,7 @@ void NearPairs::measure(PatchPair& pair, double within, Found& found) const {
   const float rounding = shapes_.rounding(pair.p, pair.q);
   const auto gap = static_cast<float>((TrackedPairs::range - 1) * nearest_->max());
   TileShapes::Near near;
-  shapes_.look(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap,
+  shapes_.look(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q).max, gap,
                static_cast<float>(std::max(within, 0.0)) + rounding, near);
   pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
@@ -91,7 +91,7 @@ void NearPairs::measure_points(PatchPair& pair) const {
   const float rounding = shapes_.rounding(pair.p, pair.q);
   const auto gap = static_cast<float>((TrackedPairs::range - 1) * nearest_->max() + pair.step);
   TileShapes::Near near;
-  shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q), gap + rounding,
+  shapes_.look_at_points(pair.p, pair.q, nearest_->of_patches(pair.p, pair.q).max, gap + rounding,
                          near);
   pair.to_meet = std::min<double>(near.rest, paired_) - rounding;
   pair.to_touch = std::min<double>(near.rest_gap, paired_) - rounding;
@@ -105,10 +105,12 @@ void NearPairs::measure_points(PatchPair& pair) const {
 /// For up to sixteen pairs of tiles.
 void NearPairs::measure_batch(PatchPair& pair, const int* pairs, std::size_t count, double within,
                               Found& found) const {
+  const NearestDistances::OfPatches& of_patches = nearest_->of_patches(pair.p, pair.q);
   TileShapes::Features may;
   for (std::size_t i = 0; i < lanes; ++i) {
-    const auto& [a, b] = tiles(pair, pairs[std::min(i, count - 1)]);
-    const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(a, b);
+    const int number = pairs[std::min(i, count - 1)];
+    const auto& [a, b] = tiles(pair, number);
+    const NearestDistances::OfTiles of_tiles = nearest_->of_tiles(of_patches, number, a, b);
     for (std::size_t k = 0; k < Tiling::own_points; ++k) may[k][i] = of_tiles[k];
   }
   TileShapes::Distances distances;

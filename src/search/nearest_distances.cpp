@@ -62,17 +62,25 @@ double distance_at_rest(const SurfacePair& pair, const Points& rest) {
 /// they share a point.
 template <typename AtRest>
 NearestDistances::Tiles NearestDistances::make_tiles(double max, const AtRest& at_rest) {
-  Tiles tiles{max, {}, {}};
+  Tiles tiles{max, {}};
   for (std::size_t k = 0; k < Tiling::count; ++k) {
     const double distance = at_rest(k);
     tiles.of[k] = distance < 0 ? -1 : std::min(max, neighbour_share * distance);
     if (k == Tiling::own_points) {
       tiles.of[k] = distance < apart_at_rest * max ? -1 : max;
     }
-    tiles.inside[k] =
-        static_cast<float>(std::min(tiles.of[k], max_distance(max, Tiling::inside, k)));
   }
   return tiles;
+}
+
+void NearestDistances::keep_places() {
+  for (const Tiling::Tile& tile : tiling_->tiles()) {
+    auto& [first, second] = places_.emplace_back();
+    for (std::size_t k = 0; k < Tiling::count; ++k) {
+      first[k] = tile.own[Tiling::of_a[k]];
+      second[k] = tile.own[Tiling::of_b[k]];
+    }
+  }
 }
 
 /// Largest over the features that count.
@@ -84,6 +92,7 @@ float NearestDistances::max_distance(const Tiles& tiles) const {
 NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Tiling> tiling,
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
     : tiling_(std::move(tiling)), stencils_(stencils), thickness_{cloth.thickness} {
+  keep_places();
   const Eigen::Vector2d spacing = spacing_of(cloth);
   spacing_ = spacing.minCoeff();
   min_at_rest_ = spacing.prod() / spacing.norm();
@@ -106,14 +115,14 @@ NearestDistances::NearestDistances(const Cloth& cloth, std::shared_ptr<const Til
   const GridOffsets patch_offsets(std::move(of_patches),
                                   max_offset / Patch::side + Eigen::Vector2i::Constant(2));
   for (const Eigen::Vector2i& offset : patch_offsets.offsets()) {
-    TileShapes::PairValues& values = of_patches_.emplace_back();
+    auto& [values, numbers] = of_patches_.emplace_back();
     for (std::size_t k = 0; k < values.size(); ++k) {
       const auto i = static_cast<int>(k / TileShapes::tiles),
                  j = static_cast<int>(k % TileShapes::tiles);
       const Eigen::Vector2i from(i % Patch::side, i / Patch::side),
           to(j % Patch::side, j / Patch::side);
-      const int number = offsets.number_of(Patch::side * offset + to - from);
-      values[k] = max_distance(tiles_[static_cast<std::size_t>(number)]);
+      numbers[k] = offsets.number_of(Patch::side * offset + to - from);
+      values[k] = max_distance(tiles_[static_cast<std::size_t>(numbers[k])]);
     }
   }
   tile_offsets_ = offsets;
@@ -141,6 +150,7 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
                                    std::shared_ptr<const Tiling> tiling,
                                    const std::vector<Patch>& patches, const Tiling::Range& stencils)
     : tiling_(std::move(tiling)), stencils_(stencils), thickness_(std::move(thickness)) {
+  keep_places();
   spacing_ = mean_edge(mesh, rest);
   if (spacing_ == 0) spacing_ = max();
   min_at_rest_ = spacing_;
@@ -152,39 +162,42 @@ NearestDistances::NearestDistances(const SurfaceMesh& mesh, const Points& rest,
   for (const auto& tile : tiling_->tiles()) {
     cloths_.push_back(static_cast<std::size_t>(mesh.cloth_of(tile.points[0])));
   }
-  of_patches_.emplace_back().fill(static_cast<float>(max()));
-  NearOffsets tile_ways(tiling_->tiles().size()), patch_offsets(patches.size());
-  const auto add = [&](int a, int b) {
-    const std::size_t cloth = cloths_[static_cast<std::size_t>(a)];
-    if (cloth != cloths_[static_cast<std::size_t>(b)]) return;  // no neighbours
-    const Tiles both = make_tiles_of_mesh(2 * thickness_[cloth], a, b, rest);
-    if (both.of == tiles_[far_number(a, b)].of) return;
-    tile_ways.add(a, b, static_cast<int>(tiles_.size()));
-    tiles_.push_back(both);
-    const std::size_t near = tiles_.size() - thickness_.size() * thickness_.size();
-    if (near < max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64)) return;
-    throw InvalidValue({"thickness"}, to_text(thickness_[cloth]),
-                       "less beside the mesh's edges of some " + to_text(spacing_) + " m");
-  };
+  OfPatches far_patches{};
+  far_patches.max.fill(static_cast<float>(max()));
+  far_patches.numbers.fill(NearOffsets::far);
+  of_patches_.push_back(far_patches);
+  NearOffsets tile_offsets(tiling_->tiles().size()), patch_offsets(patches.size());
   const auto within = [&](const Patch& patch) { return neighbours_within(patch); };
   visit_near_patches(patches, rest, within, [&](int p, int q) {
     const auto &of_p = patches[static_cast<std::size_t>(p)].tiles,
                &of_q = patches[static_cast<std::size_t>(q)].tiles;
     patch_offsets.add(p, q, static_cast<int>(of_patches_.size()));
-    TileShapes::PairValues& values = of_patches_.emplace_back();
-    values.fill(static_cast<float>(max()));
+    auto& [values, numbers] = of_patches_.emplace_back(far_patches);
     for (std::size_t k = 0; k < values.size(); ++k) {
       const int a = of_p[k / TileShapes::tiles], b = of_q[k % TileShapes::tiles];
       if (a == Patch::none || b == Patch::none) continue;
-      add(a, b);
-      if (p != q) add(b, a);
-      const int own = tile_ways.number(a, b);
-      values[k] = max_distance(
-          tiles_[own != NearOffsets::far ? static_cast<std::size_t>(own) : far_number(a, b)]);
+      add_neighbours(a, b, rest, tile_offsets);
+      if (p != q) add_neighbours(b, a, rest, tile_offsets);
+      numbers[k] = tile_offsets.number(a, b);
+      values[k] = max_distance(tiles(static_cast<std::size_t>(numbers[k]), a, b));
     }
   });
-  tile_offsets_ = std::move(tile_ways);
+  tile_offsets_ = std::move(tile_offsets);
   patch_offsets_ = std::move(patch_offsets);
+}
+
+/// Adds two tiles of one cloth unless they are far apart at rest.
+void NearestDistances::add_neighbours(int a, int b, const Points& rest, NearOffsets& offsets) {
+  const std::size_t cloth = cloths_[static_cast<std::size_t>(a)];
+  if (cloth != cloths_[static_cast<std::size_t>(b)]) return;
+  const Tiles both = make_tiles_of_mesh(2 * thickness_[cloth], a, b, rest);
+  if (both.of == tiles_[far_number(a, b)].of) return;
+  offsets.add(a, b, static_cast<int>(tiles_.size()));
+  tiles_.push_back(both);
+  const std::size_t near = tiles_.size() - thickness_.size() * thickness_.size();
+  if (near < max_near_tiles * std::max<std::size_t>(tiling_->tiles().size(), 64)) return;
+  throw InvalidValue({"thickness"}, to_text(thickness_[cloth]),
+                     "less beside the mesh's edges of some " + to_text(spacing_) + " m");
 }
 
 double NearestDistances::neighbours_within(const Patch& patch) const {
@@ -212,12 +225,20 @@ double NearestDistances::of_tracked(int point, int triangle) const {
   return of(a, b, triangle == tiling_->at(b).triangles[0] ? 0 : 1);
 }
 
-NearestDistances::OfTiles NearestDistances::of_tiles(int a, int b) const {
-  const Tiles& both = tiles(a, b);
-  if (tiling_->at(a).is_inside && tiling_->at(b).is_inside) return both.inside;
+NearestDistances::OfTiles NearestDistances::of_tiles(const OfPatches& patches, int number, int a,
+                                                     int b) const {
+  const auto pair = static_cast<std::size_t>(number);
+  const Tiles& both = tiles(static_cast<std::size_t>(patches.numbers[pair]), a, b);
+  // By FeaturePlace: tables, as a compiler would branch, and places are hard to predict.
+  std::array<double, 3> of_edges, of_others;
+  for (const auto at : {Tiling::inside, Tiling::border, Tiling::lacking}) {
+    of_edges[at] = max_distance(both.max, at, Tiling::points);
+    of_others[at] = max_distance(both.max, at, 0);
+  }
   OfTiles of;
   for (std::size_t k = 0; k < Tiling::count; ++k) {
-    of[k] = static_cast<float>(std::min(both.of[k], max_distance(both.max, place(a, b, k), k)));
+    const auto& max_distances = Tiling::is_of_edges(k) ? of_edges : of_others;
+    of[k] = static_cast<float>(std::min(both.of[k], max_distances[place(a, b, k)]));
   }
   return of;
 }

@@ -205,6 +205,12 @@ TEST(NearestDistances, OfAMeshAreAQuarterOfThoseAtRestUpToTheContactDistance) {
   }
 }
 
+TEST(NearestDistances, OfTilesOfAMeshAreThoseOfTheirFeatures) {
+  for (const double thickness : {0.002, 0.1}) {
+    for (const Surface& surface : surfaces(thickness)) expect_all_once(surface);
+  }
+}
+
 TEST(NearPairs, OfAMeshMissNothingThatMeetsWhileItMoves) {
   unsigned seed = 10;
   for (const Mesh& mesh : meshes()) {

@@ -6,24 +6,6 @@ namespace {
 
 using namespace test;
 
-/// Tiles have all pairs of features that share no point, each once.
-void expect_all_once(const Surface& surface) {
-  std::vector<SurfacePair> found;
-  const auto count = static_cast<int>(surface.tiling->tiles().size());
-  for (int a = 0; a < count; ++a) {
-    for (int b = a; b < count; ++b) {
-      const NearestDistances::OfTiles of_tiles = surface.nearest.of_tiles(a, b);
-      for (std::size_t k = 0; k < Tiling::own_points; ++k) {
-        if (of_tiles[k] < 0) continue;
-        found.push_back(surface.tiling->pair(a, b, k));
-        EXPECT_EQ(of_tiles[k], static_cast<float>(surface.nearest_of(found.back())));
-      }
-    }
-  }
-  const auto all = brute_force(surface, [](const SurfacePair&) { return true; });
-  EXPECT_TRUE(sorted_features(found) == sorted_features(all));
-}
-
 TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
   // Edges inside the cloth: up to a share of them.
   for (const double thickness : {0.004, 0.02, 0.1, 1000.0}) {
@@ -62,10 +44,11 @@ TEST(NearestDistances, AreAQuarterOfThoseAtRestUpToTheContactDistance) {
 
 TEST(Tiling, OfAGridHasAllThatShareNoPointEachOnce) {
   for (const auto& [columns, rows] : {std::pair(6, 5), std::pair(2, 2), std::pair(2, 6)}) {
-    const Surface surface(cloth_of(columns, rows, 0.01));
-    expect_all_once(surface);
+    expect_all_once(cloth_of(columns, rows, 0.01));
   }
 }
+
+TEST(Tiling, OfAThinGridHasThemWherePatchesAreFarApart) { expect_all_once(cloth_of(14, 9, 0.001)); }
 
 TEST(SurfaceMesh, KnowsTheTrianglesOfEachPoint) {
   const Cloth cloth = cloth_of(5, 4, 0.01);

@@ -187,4 +187,30 @@ inline std::vector<Features> sorted_features(const std::vector<NearPair>& pairs)
   return result;
 }
 
+/// Tiles have all pairs of features that share no point, each once, at their contact distance.
+inline void expect_all_once(const Surface& surface) {
+  std::vector<SurfacePair> found;
+  const auto count = static_cast<int>(surface.patches.size());
+  constexpr std::size_t tiles = TileShapes::tiles;
+  for (int p = 0; p < count; ++p) {
+    for (int q = p; q < count; ++q) {
+      const NearestDistances::OfPatches& of_patches = surface.nearest.of_patches(p, q);
+      for (std::size_t pair = 0; pair < tiles * tiles; ++pair) {
+        const std::size_t i = pair / tiles, j = pair % tiles;
+        const int a = surface.patches[static_cast<std::size_t>(p)].tiles[i];
+        const int b = surface.patches[static_cast<std::size_t>(q)].tiles[j];
+        if (a == Patch::none || b == Patch::none || (p == q && i > j)) continue;
+        const auto of_tiles = surface.nearest.of_tiles(of_patches, static_cast<int>(pair), a, b);
+        for (std::size_t k = 0; k < Tiling::own_points; ++k) {
+          if (of_tiles[k] < 0) continue;
+          found.push_back(surface.tiling->pair(a, b, k));
+          EXPECT_EQ(of_tiles[k], static_cast<float>(surface.nearest_of(found.back())));
+        }
+      }
+    }
+  }
+  const auto all = brute_force(surface, [](const SurfacePair&) { return true; });
+  EXPECT_TRUE(sorted_features(found) == sorted_features(all));
+}
+
 }  // namespace clothsim::test

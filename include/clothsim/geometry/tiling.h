@@ -29,6 +29,10 @@ class Tiling {
 
   // Pairs of features of two tiles: point and triangle first, then edges, then both points.
   enum : std::size_t { points = 4, own_points = 13, count = 14 };
+  /// Is a pair of features, by number, one of edges?
+  static constexpr bool is_of_edges(std::size_t pair) {
+    return pair >= points && pair < own_points;
+  }
   /// Pairs from number `begin` up to number `end`.
   struct Range {
     std::size_t begin;
@@ -45,7 +49,6 @@ class Tiling {
     std::array<int, corners> points;
     std::array<int, 2> triangles;  // by number in the mesh; any where there is none
     std::array<FeaturePlace, num_own> own;
-    bool is_inside = false;  // true where no feature is at the border or missing
   };
 
   /// Tiles of any triangles: two neighbours each where possible, in no order.

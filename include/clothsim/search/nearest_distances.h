@@ -56,15 +56,18 @@ class NearestDistances {
   }
   /// For a point and a triangle [m].
   double of_tracked(int point, int triangle) const;
-  /// For all features of tiles a and b.
-  using OfTiles = std::array<float, Tiling::count>;
-  OfTiles of_tiles(int a, int b) const;
-
-  /// For patches p <= q: at least the largest of each pair of tiles, over the features that count
-  /// [m].
-  const TileShapes::PairValues& of_patches(int p, int q) const {
+  /// Of two patches p <= q, by pair of their tiles, as in TileShapes::Near.
+  struct OfPatches {
+    TileShapes::PairValues max;  // at least the largest, over the features that count [m]
+    std::array<int, TileShapes::tiles * TileShapes::tiles>
+        numbers;  // of their tiles, for of_tiles()
+  };
+  const OfPatches& of_patches(int p, int q) const {
     return of_patches_[number(patch_offsets_, p, q)];
   }
+  /// For all features of tiles a and b, pair `number` of two patches.
+  using OfTiles = std::array<float, Tiling::count>;
+  OfTiles of_tiles(const OfPatches& patches, int number, int a, int b) const;
   bool at_border(int tile) const {
     return tiling_->at(tile).own[Tiling::own_point] == Tiling::border;
   }
@@ -85,19 +88,20 @@ class NearestDistances {
 
  private:
   using Offsets = std::variant<NearOffsets, GridOffsets>;
-  /// For two tiles, as if at the border, and inside.
+  /// For two tiles, as if at the border.
   struct Tiles {
     double max;  // where they are no neighbours [m]
     std::array<double, Tiling::count> of;
-    OfTiles inside;
   };
+  /// A tile's features in each pair of features, as those of the first tile and of the second.
+  using Places = std::array<Tiling::FeaturePlace, Tiling::count>;
 
   static std::size_t number(const Offsets& offsets, int from, int to) {
     return static_cast<std::size_t>(
         std::visit([&](const auto& of) { return of.number(from, to); }, offsets));
   }
-  const Tiles& tiles(int a, int b) const {
-    const std::size_t own = number(tile_offsets_, a, b);
+  const Tiles& tiles(int a, int b) const { return tiles(number(tile_offsets_, a, b), a, b); }
+  const Tiles& tiles(std::size_t own, int a, int b) const {
     return tiles_[own != NearOffsets::far || cloths_.empty() ? own : far_number(a, b)];
   }
   /// Number of tiles that are no neighbours, by the cloths that they are of.
@@ -106,32 +110,35 @@ class NearestDistances {
            cloths_[static_cast<std::size_t>(b)];
   }
   Tiling::FeaturePlace place(int a, int b, std::size_t number) const {
-    return std::max(tiling_->at(a).own[Tiling::of_a[number]],
-                    tiling_->at(b).own[Tiling::of_b[number]]);
+    return std::max(places_[static_cast<std::size_t>(a)][0][number],
+                    places_[static_cast<std::size_t>(b)][1][number]);
   }
+  /// Sets `places_`.
+  void keep_places();
   /// Contact distance of features that are no neighbours, where points have `max` [m].
   static double max_distance(double max, Tiling::FeaturePlace place, std::size_t number) {
     if (place == Tiling::lacking) return -1;
-    const bool edges = number >= Tiling::points && number < Tiling::own_points;
-    return edges && place == Tiling::inside ? edge_share * max : max;
+    return Tiling::is_of_edges(number) && place == Tiling::inside ? edge_share * max : max;
   }
   template <typename AtRest>
   static Tiles make_tiles(double max, const AtRest&);
   /// Distance at rest beyond which tiles of one cloth are no neighbours [m].
   double neighbours_within(const Patch&) const;
+  void add_neighbours(int a, int b, const Points& rest, NearOffsets&);
   Tiles make_tiles_of_mesh(double max, int a, int b, const Points& rest);
   Tiles make_tiles_of_grid(const Eigen::Vector2i& offset, const Eigen::Vector2d& spacing) const;
   float max_distance(const Tiles&) const;
 
   std::shared_ptr<const Tiling> tiling_;
   Tiling::Range stencils_;
-  std::vector<double> thickness_;    // by cloth [m]
-  std::vector<std::size_t> cloths_;  // of tiles; empty: one
+  std::vector<double> thickness_;              // by cloth [m]
+  std::vector<std::size_t> cloths_;            // of tiles; empty: one
+  std::vector<std::array<Places, 2>> places_;  // by tile
   double spacing_;
   double min_at_rest_;
   Offsets tile_offsets_, patch_offsets_;
   std::vector<Tiles> tiles_;  // of a mesh: first by far_number()
-  std::vector<TileShapes::PairValues> of_patches_;
+  std::vector<OfPatches> of_patches_;
 };
 
 }  // namespace clothsim
