@@ -50,8 +50,8 @@ Points stress_of_mesh(const Cloth& cloth, const State& state, const std::vector<
     for (std::size_t k = 0; k < 3; ++k) {
       const auto e = static_cast<std::size_t>(triangle.edges[k]);
       const auto i = static_cast<Eigen::Index>(k);
-      const bool has_both = std::max(fabric.pulls_of[e][0], fabric.pulls_of[e][1]) <
-                            3 * static_cast<int>(cloth.triangles.size());
+      const bool has_both =
+          std::max(fabric.pulls_of[e][0], fabric.pulls_of[e][1]) < fabric.no_pull();
       const double beyond = (tensions.at(e) - of_membrane[e]) / (has_both ? 2 : 1);
       pulls[i] += beyond / (2 * std::sqrt(triangle.rest2[i]));
     }

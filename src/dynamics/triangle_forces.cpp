@@ -1,12 +1,11 @@
 #include "clothsim/dynamics/triangle_forces.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
+#include <array>
+#include <vector>
 
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/curved_bends.h"
+#include "clothsim/model/point_run.h"
 #include "clothsim/model/target_clones.h"
 
 namespace clothsim {
@@ -14,117 +13,225 @@ namespace {
 
 /// x, y, z of a point, and 0.
 using Quad = double __attribute__((vector_size(32), aligned(8), may_alias));
+/// A point's position as a Quad and its velocity as another one: a cache line.
+using Moving = double __attribute__((vector_size(64), may_alias));
+/// Kernels for wide vectors load a whole Moving, though alignof(Moving) is 16 in the baseline.
+struct alignas(64) MovingPoint {
+  std::array<double, 8> numbers;
+};
 
 /// Numbers that one computation of forces keeps between its loops. Its threads share them; calls
 /// of different threads do not.
 struct Scratch {
-  explicit Scratch(const TriangleFabric& fabric) { fit(fabric); }
-  void fit(const TriangleFabric& fabric) {
+  void fit(const TriangleFabric& fabric, bool damped) {
     const std::size_t points = fabric.first_links.size() - 1;
-    const std::size_t links = std::max(fabric.edges.size(), fabric.pairs.size());
-    positions.resize(4 * points);
-    velocities.resize(4 * points);
-    squares.resize(fabric.edges.size());
-    pulls.resize(3 * fabric.triangles.size() + 1);
-    factors.resize(links);
-    weights.resize(links);
-    bends.resize(4 * points);
-    rates.resize(4 * points);
+    if (damped) {
+      grow(points, moving);
+      grow(points, bends);
+    } else {
+      grow(4 * points, positions);
+    }
+    grow(fabric.edges.size(), squares);
+    grow(static_cast<std::size_t>(fabric.no_pull()) + 1, pulls);
+    grow(fabric.edges.size(), factors);
+  }
+  template <typename Number>
+  static void grow(std::size_t size, std::vector<Number>& numbers) {
+    if (numbers.size() < size) numbers.resize(size);
   }
 
-  std::vector<double> positions, velocities;  // by point, a Quad each
-  std::vector<double> squares;                // by edge: q + tau_0 q' [m^2]
-  std::vector<double> pulls;                  // by triangle and edge, and a 0 [N/m]
-  std::vector<double> factors;                // by link [N/m]
-  std::vector<double> weights;                // of bends, times tau_1 [N s/m]
-  std::vector<double> bends, rates;  // by point, a Quad each: sums of weight * (x_j - x_i) [N s],
-                                     // and of weight * (v_j - v_i) [N]
+  /// Without damping, and with it.
+  const Quad* x() const { return reinterpret_cast<const Quad*>(positions.data()); }
+  const Moving* xv() const { return reinterpret_cast<const Moving*>(moving.data()); }
+  double* numbers_of_moving() { return reinterpret_cast<double*>(moving.data()); }
+  const double* numbers_of_bends() const { return reinterpret_cast<const double*>(bends.data()); }
+  QuadView x_view(bool damped) const {
+    if (!damped) return {positions.data(), 4};
+    return {reinterpret_cast<const double*>(moving.data()), 8};
+  }
+  QuadView v_view() const { return {reinterpret_cast<const double*>(moving.data()) + 4, 8}; }
+
+  std::vector<double> positions;    // by point, a Quad each
+  std::vector<MovingPoint> moving;  // the same with velocities
+  std::vector<double> squares;      // by edge: q + tau_0 q' [m^2]
+  std::vector<double> pulls;        // by pull_number(), and a 0 [N/m]
+  std::vector<double> factors;      // by edge [N/m]
+  std::vector<MovingPoint> bends;   // by point: sums of tau_1 weight * (x_j - x_i) [N s], and of
+                                    // tau_1 weight * (v_j - v_i) [N]
 };
 
-Scratch& scratch_of(const TriangleFabric& fabric) {
-  static thread_local Scratch scratch(fabric);
-  scratch.fit(fabric);
+Scratch& scratch_of(const TriangleFabric& fabric, bool damped) {
+  static thread_local Scratch scratch;
+  scratch.fit(fabric, damped);
   return scratch;
 }
 
-Quad* quads(std::vector<double>& numbers) { return reinterpret_cast<Quad*>(numbers.data()); }
-
-void interleave(const Points& points, int begin, int end, double* quads) {
-  for (int i = begin; i < end; ++i) {
-    for (int axis = 0; axis < 3; ++axis) quads[4 * i + axis] = points(i, axis);
-    quads[4 * i + 3] = 0;
+/// Writes points, `stride` numbers from one to the next, each with a 0.
+CLOTHSIM_TARGET_CLONES
+void interleave(int count, PointRun points, int stride, double* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[stride * i] = points.x[i];
+    to[stride * i + 1] = points.y[i];
+    to[stride * i + 2] = points.z[i];
+    to[stride * i + 3] = 0;
   }
 }
 
-/// The parts of a kernel's input that all its loops share. `v` is null without damping.
-struct QuadMotion {
-  const Quad* x;
-  const Quad* v;
-};
-
-double dot(const Quad& a, const Quad& b) {
-  const Quad product = a * b;
-  return product[0] + product[1] + product[2];
+/// Writes a . b of four pairs, without a sum across one vector, which takes as long as all four.
+[[gnu::always_inline]] inline void write_dots(const Quad* a, const Quad* b, double* to) {
+  const Quad p = a[0] * b[0], q = a[1] * b[1], r = a[2] * b[2], s = a[3] * b[3];
+  const Quad pq = Quad{p[0], q[0], p[2], q[2]} + Quad{p[1], q[1], p[3], q[3]};
+  const Quad rs = Quad{r[0], s[0], r[2], s[2]} + Quad{r[1], s[1], r[3], s[3]};
+  *reinterpret_cast<Quad*>(to) =
+      Quad{pq[0], pq[1], rs[0], rs[1]} + Quad{pq[2], pq[3], rs[2], rs[3]};
 }
 
-void square_edges(const TriangleFabric& fabric, const QuadMotion& at, int begin, int end,
-                  double* squares) {
-  for (int e = begin; e < end; ++e) {
-    const auto& [a, b] = fabric.edges[static_cast<std::size_t>(e)];
-    const Quad d = at.x[b] - at.x[a];
-    squares[e] = dot(d, d);
-    if (at.v == nullptr) continue;
-    squares[e] += 2 * fabric.internal_damping_at(a)[0] * dot(d, at.v[b] - at.v[a]);
-  }
-}
-
-void pull_triangles(const TriangleFabric& fabric, const double* squares, int begin, int end,
-                    double* pulls) {
-  for (int t = begin; t < end; ++t) {
-    const TriangleFabric::Triangle& triangle = fabric.triangles[static_cast<std::size_t>(t)];
-    const Vector3 change(squares[triangle.edges[0]] - triangle.rest2[0],
-                         squares[triangle.edges[1]] - triangle.rest2[1],
-                         squares[triangle.edges[2]] - triangle.rest2[2]);
-    Eigen::Map<Vector3>(pulls + 3 * t).noalias() = triangle.stretch * change;
-  }
-}
-
-/// Sums the links of points [begin, end), each of a force factor * (x_j - x_i). Where bends are
-/// `damped`, also their sums for damping.
+/// The difference d of an edge's ends, and d + 2 tau_0 d'.
 template <bool damped>
-[[gnu::always_inline]] inline void sum_links_of(const TriangleFabric& fabric, const QuadMotion& at,
-                                                int begin, int end, Scratch& scratch,
-                                                Points& forces) {
-  const double* const factors = scratch.factors.data();
-  const double* const weights = scratch.weights.data();
-  const TriangleFabric::Link* const links = fabric.links.data();
-  for (int i = begin; i < end; ++i) {
-    Quad sum = {}, bend = {}, rate = {};
-    const int last = fabric.first_links[static_cast<std::size_t>(i) + 1];
-    for (int l = fabric.first_links[static_cast<std::size_t>(i)]; l < last; ++l) {
-      const auto& [j, number] = links[l];
-      const Quad d = at.x[j] - at.x[i];
-      sum += factors[number] * d;
-      if constexpr (damped) {
-        bend += weights[number] * d;
-        rate += weights[number] * (at.v[j] - at.v[i]);
-      }
-    }
-    for (int axis = 0; axis < 3; ++axis) forces(i, axis) += sum[axis];
-    if constexpr (damped) {
-      quads(scratch.bends)[i] = bend;
-      quads(scratch.rates)[i] = rate;
-    }
+[[gnu::always_inline]] inline void set_factors(const TriangleFabric& fabric, const Scratch& scratch,
+                                               int e, Quad& d, Quad& other) {
+  const auto number = static_cast<std::size_t>(e);
+  const auto& [a, b] = fabric.edges[number];
+  if constexpr (damped) {
+    const Moving change = scratch.xv()[b] - scratch.xv()[a];
+    d = Quad{change[0], change[1], change[2], change[3]};
+    other = d + fabric.edge_damping[number] * Quad{change[4], change[5], change[6], change[7]};
+  } else {
+    d = other = scratch.x()[b] - scratch.x()[a];
+  }
+}
+
+/// q + tau_0 q' of edges [begin, end).
+template <bool damped>
+[[gnu::always_inline]] inline void square_edges_of(const TriangleFabric& fabric, int begin, int end,
+                                                   Scratch& scratch) {
+  Quad d[4] = {}, others[4] = {};
+  int e = begin;
+  for (; e + 4 <= end; e += 4) {
+    for (int k = 0; k < 4; ++k) set_factors<damped>(fabric, scratch, e + k, d[k], others[k]);
+    write_dots(d, others, scratch.squares.data() + e);
+  }
+  for (; e < end; ++e) {
+    set_factors<damped>(fabric, scratch, e, d[0], others[0]);
+    const Quad product = d[0] * others[0];
+    scratch.squares[static_cast<std::size_t>(e)] = product[0] + product[1] + product[2];
   }
 }
 
 CLOTHSIM_TARGET_CLONES
-void sum_links(const TriangleFabric& fabric, const QuadMotion& at, bool damped, int begin, int end,
-               Scratch& scratch, Points& forces) {
+void square_edges(const TriangleFabric& fabric, bool damped, int begin, int end, Scratch& scratch) {
   if (damped) {
-    sum_links_of<true>(fabric, at, begin, end, scratch, forces);
+    square_edges_of<true>(fabric, begin, end, scratch);
   } else {
-    sum_links_of<false>(fabric, at, begin, end, scratch, forces);
+    square_edges_of<false>(fabric, begin, end, scratch);
+  }
+}
+
+/// s = K (q - Q) of blocks [begin, end).
+CLOTHSIM_TARGET_CLONES
+void pull_triangles(const TriangleFabric::Block* blocks, const double* squares, int begin, int end,
+                    double* __restrict pulls) {
+  constexpr int size = TriangleFabric::Block::size;
+  for (int b = begin; b < end; ++b) {
+    const auto& [edges, rest2, stretch] = blocks[b];
+    double* const pull = pulls + 3 * size * b;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < size; ++i) {
+      const double one = squares[edges[0][i]] - rest2[0][i];
+      const double two = squares[edges[1][i]] - rest2[1][i];
+      const double three = squares[edges[2][i]] - rest2[2][i];
+      pull[i] = stretch[0][i] * one + stretch[3][i] * two + stretch[4][i] * three;
+      pull[size + i] = stretch[3][i] * one + stretch[1][i] * two + stretch[5][i] * three;
+      pull[2 * size + i] = stretch[4][i] * one + stretch[5][i] * two + stretch[2][i] * three;
+    }
+  }
+}
+
+/// The factors of edges [begin, end): weights of bends, and pulls of both triangles.
+CLOTHSIM_TARGET_CLONES
+void add_pulls(const std::array<int, 2>* pulls_of, const double* weights, const double* pulls,
+               int begin, int end, double* __restrict factors) {
+#pragma GCC ivdep
+  for (int e = begin; e < end; ++e) {
+    factors[e] = weights[e] + 2 * (pulls[pulls_of[e][0]] + pulls[pulls_of[e][1]]);
+  }
+}
+
+/// Adds forces factor * (x_j - x_i) to points [begin, end), over their edges and bends.
+CLOTHSIM_TARGET_CLONES
+void sum_links(const TriangleFabric& fabric, int begin, int end, const Scratch& scratch,
+               MutablePointRun forces) {
+  const auto& [others, weights, first] = fabric.bend_links;
+  const double* const factors = scratch.factors.data();
+  const Quad* const x = scratch.x();
+  for (int i = begin; i < end; ++i) {
+    const auto point = static_cast<std::size_t>(i);
+    const Quad here = x[i];
+    Quad sum = {}, far = {};
+    for (auto l = static_cast<std::size_t>(fabric.first_links[point]);
+         l < static_cast<std::size_t>(fabric.first_links[point + 1]); ++l) {
+      const auto& [j, edge] = fabric.edge_links[l];
+      sum += factors[edge] * (x[j] - here);
+    }
+    for (auto l = static_cast<std::size_t>(first[point]);
+         l < static_cast<std::size_t>(first[point + 1]); ++l) {
+      far += weights[l] * (x[others[l]] - here);
+    }
+    sum += far;
+    forces.x[i] += sum[0];
+    forces.y[i] += sum[1];
+    forces.z[i] += sum[2];
+  }
+}
+
+/// The same with damping: also sets the sums over bends.
+CLOTHSIM_TARGET_CLONES
+void sum_damped_links(const TriangleFabric& fabric, int begin, int end, Scratch& scratch,
+                      MutablePointRun forces) {
+  const auto& [others, weights, first] = fabric.bend_links;
+  const double* const factors = scratch.factors.data();
+  const double* const edge_weights = fabric.edge_weights.data();
+  const Moving* const xv = scratch.xv();
+  Moving* const bends = reinterpret_cast<Moving*>(scratch.bends.data());
+  for (int i = begin; i < end; ++i) {
+    const auto point = static_cast<std::size_t>(i);
+    const Moving here = xv[i];
+    Quad sum = {};
+    Moving bend = {}, far = {};
+    for (auto l = static_cast<std::size_t>(fabric.first_links[point]);
+         l < static_cast<std::size_t>(fabric.first_links[point + 1]); ++l) {
+      const auto& [j, edge] = fabric.edge_links[l];
+      const Moving d = xv[j] - here;
+      sum += factors[edge] * Quad{d[0], d[1], d[2], d[3]};
+      bend += edge_weights[edge] * d;
+    }
+    for (auto l = static_cast<std::size_t>(first[point]);
+         l < static_cast<std::size_t>(first[point + 1]); ++l) {
+      far += weights[l] * (xv[others[l]] - here);
+    }
+    sum += Quad{far[0], far[1], far[2], far[3]};
+    forces.x[i] += sum[0];
+    forces.y[i] += sum[1];
+    forces.z[i] += sum[2];
+    bends[i] = fabric.internal_damping_at(i)[1] * (bend + far);
+  }
+}
+
+/// Subtracts the moments of the sums of points [begin, end) about point `centre`.
+CLOTHSIM_TARGET_CLONES
+void subtract_moments(const Scratch& scratch, int centre, int begin, int end, BendMotion& motion) {
+  const Moving* const xv = scratch.xv();
+  const Moving* const bends = reinterpret_cast<const Moving*>(scratch.bends.data());
+  const Moving origin = xv[centre];
+  Moving sums[3] = {};  // of arm's components times those of bends and of rates
+  for (int i = begin; i < end; ++i) {
+    const Moving arm = xv[i] - origin;
+    for (int axis = 0; axis < 3; ++axis) sums[axis] += arm[axis] * bends[i];
+  }
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    for (int axis = 0; axis < 3; ++axis) motion.squares(a, axis) -= sums[a][axis];
+    motion.moment[a] -= sums[b][4 + c] - sums[c][4 + b];
   }
 }
 
@@ -132,26 +239,39 @@ void sum_links(const TriangleFabric& fabric, const QuadMotion& at, bool damped, 
 /// that of -x_i sum_j w (x_j - x_i)^T; that of w d x d' alike.
 std::vector<Vector3> rotations_of(const TriangleFabric& fabric, const Scratch& scratch) {
   std::vector<BendMotion> motions(fabric.pieces.size());
-  add_curved_motions(fabric, QuadView(scratch.positions), QuadView(scratch.velocities), motions);
+  add_curved_motions(fabric, scratch.x_view(true), scratch.v_view(), motions);
   for (std::size_t piece = 0; piece < motions.size(); ++piece) {
     const double tau = fabric.pieces[piece].internal_damping[1];  // as in the sums over points
     motions[piece].squares *= tau;
     motions[piece].moment *= tau;
     motions[piece].stiffness = tau * fabric.pieces[piece].weight;
   }
-  for (std::size_t i = 0; i < fabric.piece_ids.size(); ++i) {
-    const auto piece = static_cast<std::size_t>(fabric.piece_ids[i]);
-    const auto centre = static_cast<std::size_t>(fabric.pieces[piece].first_point);
-    const auto point = [](const std::vector<double>& quads, std::size_t k) {
-      return Eigen::Map<const Vector3>(&quads[4 * k]);
-    };
-    const Vector3 arm = point(scratch.positions, i) - point(scratch.positions, centre);
-    motions[piece].squares.noalias() -= arm * point(scratch.bends, i).transpose();
-    motions[piece].moment -= arm.cross(point(scratch.rates, i));
+  const auto points = static_cast<int>(fabric.piece_ids.size());
+  for (int begin = 0, end = 0; begin < points; begin = end) {
+    const int piece = fabric.piece_of(begin);
+    while (end < points && fabric.piece_of(end) == piece) ++end;
+    const int centre = fabric.pieces[static_cast<std::size_t>(piece)].first_point;
+    subtract_moments(scratch, centre, begin, end, motions[static_cast<std::size_t>(piece)]);
   }
   std::vector<Vector3> rotations;
   for (const BendMotion& motion : motions) rotations.push_back(motion.rotation());
   return rotations;
+}
+
+/// Adds rates less omega x bends to the forces of points [begin, end).
+CLOTHSIM_TARGET_CLONES
+void add_relative_rates(const TriangleFabric& fabric, const Scratch& scratch,
+                        const Vector3* rotations, int begin, int end, MutablePointRun forces) {
+  const int* const pieces = fabric.piece_ids.data();
+  const double* const sums = scratch.numbers_of_bends();
+#pragma GCC ivdep
+  for (int i = begin; i < end; ++i) {
+    const double* const omega = rotations[pieces[i]].data();
+    const double bx = sums[8 * i], by = sums[8 * i + 1], bz = sums[8 * i + 2];
+    forces.x[i] += sums[8 * i + 4] - (omega[1] * bz - omega[2] * by);
+    forces.y[i] += sums[8 * i + 5] - (omega[2] * bx - omega[0] * bz);
+    forces.z[i] += sums[8 * i + 6] - (omega[0] * by - omega[1] * bx);
+  }
 }
 
 /// Damping of bends, relative to the rotation of their piece: see remove_rotation().
@@ -159,50 +279,9 @@ void add_damping_of_bends(const TriangleFabric& fabric, const Scratch& scratch,
                           const Workers& workers, Points& forces) {
   const std::vector<Vector3> rotations = rotations_of(fabric, scratch);
   workers.parallel_for(static_cast<int>(fabric.piece_ids.size()), [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      const Vector3& omega = rotations[static_cast<std::size_t>(fabric.piece_of(i))];
-      const double* const b = &scratch.bends[4 * static_cast<std::size_t>(i)];
-      const double* const rate = &scratch.rates[4 * static_cast<std::size_t>(i)];
-      forces(i, 0) += rate[0] - (omega[1] * b[2] - omega[2] * b[1]);
-      forces(i, 1) += rate[1] - (omega[2] * b[0] - omega[0] * b[2]);
-      forces(i, 2) += rate[2] - (omega[0] * b[1] - omega[1] * b[0]);
-    }
+    add_relative_rates(fabric, scratch, rotations.data(), begin, end, run_from(forces, 0));
   });
-  add_curved_damping(fabric, 1, QuadView(scratch.positions), QuadView(scratch.velocities),
-                     rotations, workers, forces);
-}
-
-/// The factors of links [begin, end): pulls of both triangles of an edge, and bends.
-void add_factors(const TriangleFabric& fabric, bool damped, int begin, int end, Scratch& scratch) {
-  for (int l = begin; l < end; ++l) {
-    const auto number = static_cast<std::size_t>(l);
-    const double weight = fabric.pairs.empty() ? 0 : fabric.pairs[number].weight;
-    scratch.factors[number] = weight;
-    if (damped) {
-      const double tau = fabric.internal_damping_at(fabric.pairs[number].i)[1];
-      scratch.weights[number] = tau * weight;
-    }
-    if (number >= fabric.edges.size()) continue;
-    const auto& [one, other] = fabric.pulls_of[number];
-    scratch.factors[number] += 2 * (scratch.pulls[static_cast<std::size_t>(one)] +
-                                    scratch.pulls[static_cast<std::size_t>(other)]);
-  }
-}
-
-/// Largest eigenvalue of `stretch` times `by_mass`, both positive semidefinite.
-double largest_product(const Eigen::Matrix3d& stretch, const Eigen::Matrix3d& by_mass) {
-  const Eigen::LDLT<Eigen::Matrix3d> ldlt(stretch);
-  const Eigen::Matrix3d lower = ldlt.transpositionsP().transpose() *
-                                Eigen::Matrix3d(ldlt.matrixL()) *
-                                ldlt.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(lower.transpose() * by_mass * lower, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[2];
-}
-
-/// Largest stiffness of a triangle across its edges [N/m]: at most 3 of 2 s by point.
-double stiffness_across(const TriangleFabric::Triangle& triangle, const Vector3& q) {
-  return 6 * std::max((triangle.stretch * (q - triangle.rest2)).maxCoeff(), 0.0);
+  add_curved_damping(fabric, 1, scratch.x_view(true), scratch.v_view(), rotations, workers, forces);
 }
 
 }  // namespace
@@ -210,35 +289,48 @@ double stiffness_across(const TriangleFabric::Triangle& triangle, const Vector3&
 void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Points& positions,
                              Points& forces, const Workers& workers, const Points* velocities) {
   const TriangleFabric& fabric = *cloth.triangle_fabric;
-  Scratch& scratch = scratch_of(fabric);
   const bool damped = velocities != nullptr && is_damped(cloth);
-  const bool has_rates = damped && has_damped_bends(cloth);
-  const QuadMotion at{quads(scratch.positions), damped ? quads(scratch.velocities) : nullptr};
-  const auto num_triangles = static_cast<int>(fabric.triangles.size());
+  Scratch& scratch = scratch_of(fabric, damped);
 
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
-    interleave(positions, begin, end, scratch.positions.data());
-    if (damped) interleave(*velocities, begin, end, scratch.velocities.data());
+    const int count = end - begin;
+    if (!damped) {
+      interleave(count, run_from(positions, begin), 4, scratch.positions.data() + 4 * begin);
+      return;
+    }
+    double* const numbers = scratch.numbers_of_moving() + 8 * begin;
+    interleave(count, run_from(positions, begin), 8, numbers);
+    interleave(count, run_from(*velocities, begin), 8, numbers + 4);
   });
   workers.parallel_for(static_cast<int>(fabric.edges.size()), [&](int begin, int end) {
-    square_edges(fabric, at, begin, end, scratch.squares.data());
+    square_edges(fabric, damped, begin, end, scratch);
   });
-  workers.parallel_for(num_triangles, [&](int begin, int end) {
-    pull_triangles(fabric, scratch.squares.data(), begin, end, scratch.pulls.data());
-  });
-  scratch.pulls.back() = 0;
-  workers.parallel_for(static_cast<int>(scratch.factors.size()), [&](int begin, int end) {
-    add_factors(fabric, has_rates, begin, end, scratch);
+  constexpr int min_band = 1024 / TriangleFabric::Block::size;  // as long as bands of triangles
+  workers.parallel_for(
+      static_cast<int>(fabric.blocks.size()),
+      [&](int begin, int end) {
+        pull_triangles(fabric.blocks.data(), scratch.squares.data(), begin, end,
+                       scratch.pulls.data());
+      },
+      min_band);
+  scratch.pulls[static_cast<std::size_t>(fabric.no_pull())] = 0;
+  workers.parallel_for(static_cast<int>(fabric.edges.size()), [&](int begin, int end) {
+    add_pulls(fabric.pulls_of.data(), fabric.edge_weights.data(), scratch.pulls.data(), begin, end,
+              scratch.factors.data());
   });
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
     for (int axis = 0; axis < 3; ++axis) {
       forces.col(axis).segment(begin, end - begin) =
           loads.gravity[axis] * cloth.mass.segment(begin, end - begin);
     }
-    sum_links(fabric, at, has_rates, begin, end, scratch, forces);
+    if (damped) {
+      sum_damped_links(fabric, begin, end, scratch, run_from(forces, 0));
+    } else {
+      sum_links(fabric, begin, end, scratch, run_from(forces, 0));
+    }
   });
-  add_curved_forces(fabric, QuadView(scratch.positions), workers, forces);
-  if (has_rates) add_damping_of_bends(fabric, scratch, workers, forces);
+  add_curved_forces(fabric, scratch.x_view(damped), workers, forces);
+  if (damped && has_damped_bends(cloth)) add_damping_of_bends(fabric, scratch, workers, forces);
 }
 
 Vector3 squared_edges(const std::array<int, 3>& corners, const Points& positions) {
@@ -299,40 +391,6 @@ Eigen::Matrix3d squared_derivatives(const Vector3& q, const Vector3& w) {
     product(i, j) = product(j, i) = -(q[3 - i - j] - q[i] - q[j]) / 2 * w[j];
   }
   return product;
-}
-
-std::vector<double> membrane_bounds(const Cloth& cloth, const Points& positions,
-                                    std::vector<double> min_omega) {
-  const std::vector<TriangleFabric::Triangle>& triangles = cloth.triangle_fabric->triangles;
-  Scalars stiffness(static_cast<Eigen::Index>(triangles.size()));
-  Scalars sums = Scalars::Zero(cloth.num_points());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vector3 q = squared_edges(cloth.triangles[t], positions);
-    const double along = (triangles[t].stretch * squared_derivatives(q, Vector3::Ones())).trace();
-    const auto i = static_cast<Eigen::Index>(t);
-    stiffness[i] = 4 * along + stiffness_across(triangles[t], q);
-    for (const int corner : cloth.triangles[t]) sums[corner] += stiffness[i];
-  }
-  std::vector<double>& bounds = min_omega;
-  for (double& bound : bounds) bound *= bound;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vector3 q = squared_edges(cloth.triangles[t], positions);
-    const double own = stiffness[static_cast<Eigen::Index>(t)];
-    if (own == 0) continue;
-    const int piece = cloth.triangle_fabric->piece_of(cloth.triangles[t][0]);
-    double& omega2 = bounds[static_cast<std::size_t>(piece)];
-    Vector3 w;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int corner = cloth.triangles[t][k];
-      w[static_cast<Eigen::Index>(k)] = cloth.inv_mass[corner] * sums[corner] / own;
-    }
-    const double across = stiffness_across(triangles[t], q) * w.maxCoeff();
-    const Eigen::Matrix3d by_mass = squared_derivatives(q, w);
-    if (4 * (triangles[t].stretch * by_mass).trace() + across <= omega2) continue;
-    omega2 = std::max(omega2, 4 * largest_product(triangles[t].stretch, by_mass) + across);
-  }
-  for (double& bound : bounds) bound = std::sqrt(bound);
-  return bounds;
 }
 
 }  // namespace clothsim

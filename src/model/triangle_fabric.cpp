@@ -229,9 +229,8 @@ std::vector<int> sort_into_batches(int points, std::vector<MeshEdge>& edges) {
 
 /// Numbers the edges of triangles, and the pulls of edges.
 void connect(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, TriangleFabric& fabric) {
-  const auto none = 3 * static_cast<int>(mesh.triangles.size());
   for (std::size_t e = 0; e < edges.size(); ++e) {
-    std::array<int, 2> pulls{none, none};
+    std::array<int, 2> pulls{fabric.no_pull(), fabric.no_pull()};
     for (std::size_t side = 0; side < 2; ++side) {
       const int t = edges[e].triangles[side];
       if (t < 0) continue;
@@ -240,7 +239,7 @@ void connect(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, Triangle
         const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
         if (std::array<int, 2>{a, b} != edges[e].points) continue;
         fabric.triangles[static_cast<std::size_t>(t)].edges[k] = static_cast<int>(e);
-        pulls[side] = 3 * t + static_cast<int>(k);
+        pulls[side] = TriangleFabric::pull_number(t, static_cast<int>(k));
       }
     }
     fabric.edges.push_back(edges[e].points);
@@ -267,25 +266,6 @@ void add_pairs(TriangleFabric& fabric) {
     if (found != weights.end()) weights.erase(found);
   }
   for (const auto& [ends, weight] : weights) fabric.pairs.push_back({ends[0], ends[1], weight});
-}
-
-void add_links(int points, TriangleFabric& fabric) {
-  std::vector<std::vector<TriangleFabric::Link>> of_point(static_cast<std::size_t>(points));
-  int number = 0;
-  const auto add = [&](int i, int j) {
-    of_point[static_cast<std::size_t>(i)].push_back({j, number});
-    of_point[static_cast<std::size_t>(j)].push_back({i, number});
-    ++number;
-  };
-  for (const auto& ends : fabric.edges) add(ends[0], ends[1]);
-  for (std::size_t p = fabric.edges.size(); p < fabric.pairs.size(); ++p) {
-    add(fabric.pairs[p].i, fabric.pairs[p].j);
-  }
-  for (const auto& links : of_point) {
-    fabric.first_links.push_back(static_cast<int>(fabric.links.size()));
-    fabric.links.insert(fabric.links.end(), links.begin(), links.end());
-  }
-  fabric.first_links.push_back(static_cast<int>(fabric.links.size()));
 }
 
 void add_pieces(const ClothMesh& mesh, int points, TriangleFabric& fabric) {
@@ -359,7 +339,6 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   const Bends bends(mesh, edges, *fabric);
   for (std::size_t t = 0; t < material.size(); ++t) bends.add(static_cast<int>(t), *material[t]);
   add_pairs(*fabric);
-  add_links(n, *fabric);
   add_pieces(mesh, n, *fabric);
   add_curved_triangles(*fabric);
   add_springs(*fabric, batches, cloth);
@@ -367,6 +346,7 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
     const auto piece = static_cast<std::size_t>(fabric->piece_of(mesh.triangles[t][0]));
     fabric->pieces[piece].internal_damping = material[t]->fabric->internal_damping;
   }
+  add_kernel_arrays(n, *fabric);
   for (const TriangleFabric::Piece& piece : fabric->pieces) {
     for (std::size_t k = 0; k < 2; ++k) {
       cloth.internal_damping[k] = std::max(cloth.internal_damping[k], piece.internal_damping[k]);

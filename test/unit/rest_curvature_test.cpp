@@ -209,7 +209,7 @@ TEST(RestCurvature, ForcesOnOnePointAreThoseOfAll) {
     for (int i = 0; i < cloth.num_points(); ++i) {
       for (const double value : {x(i, 0), x(i, 1), x(i, 2), 0.0}) quads.push_back(value);
     }
-    add_curved_forces(fabric, QuadView(quads), {}, all);
+    add_curved_forces(fabric, QuadView{quads.data(), 4}, {}, all);
     add_curved_damping(fabric, 1, PointView(x), PointView(v), {}, {}, all);
     for (int i = 0; i < cloth.num_points(); ++i) {
       EXPECT_LT((curved_force_on(fabric, i, x, &v) - row(all, i)).norm(), 1e-13 * all.norm());

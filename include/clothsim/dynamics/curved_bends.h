@@ -19,13 +19,13 @@ struct PointView {
   const Points& points;
 };
 
-/// The same with four numbers a point, the first three its coordinates.
+/// The same for `stride` numbers a point, the first three its coordinates.
 struct QuadView {
-  explicit QuadView(const std::vector<double>& quads) : data(quads.data()) {}
-  Eigen::Map<const Vector3> operator()(int i) const {
-    return Eigen::Map<const Vector3>(data + 4 * i);
-  }
   const double* data;
+  int stride;
+  Eigen::Map<const Vector3> operator()(int i) const {
+    return Eigen::Map<const Vector3>(data + stride * i);
+  }
 };
 
 /// Adds the elastic forces [N].

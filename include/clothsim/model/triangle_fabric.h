@@ -75,10 +75,27 @@ struct TriangleFabric {
     int j;
     double weight;  // [N/m], of either sign
   };
-  /// A point's link: `number` counts edges, then pairs that are no edge.
-  struct Link {
+  /// Eight triangles side by side, as kernels take them. Lanes without a triangle have no
+  /// stiffness.
+  struct Block {
+    static constexpr int size = 8;  // numbers in the widest vector
+    template <typename Number>
+    using Lanes = std::array<Number, size>;
+
+    std::array<Lanes<int>, 3> edges;
+    std::array<Lanes<double>, 3> rest2;    // Q [m^2]
+    std::array<Lanes<double>, 6> stretch;  // K: 00, 11, 22, 01, 02, 12 [N/m^3]
+  };
+  /// Edge `number` from a point to another one.
+  struct EdgeLink {
     int other;
     int number;
+  };
+  /// Pairs of each point that are no edges: those of point i from first[i] up to first[i + 1].
+  struct BendLinks {
+    std::vector<int> others;
+    std::vector<double> weights;  // [N/m]
+    std::vector<int> first;
   };
   /// A curved triangle of a point, and its place there.
   struct CurvedLink {
@@ -92,17 +109,32 @@ struct TriangleFabric {
   };
 
   std::vector<std::array<int, 2>> edges;     // ends a < b, in the order of cloth.springs
-  std::vector<std::array<int, 2>> pulls_of;  // by edge: 3 * triangle + k of both sides; else 3 T
+  std::vector<std::array<int, 2>> pulls_of;  // by edge: pull_number() of both sides, or no_pull()
   std::vector<Triangle> triangles;           // as cloth.triangles
   std::vector<PatchBend> bends;
-  std::vector<Pair> pairs;       // of bends; first those of edges, in their order
-  std::vector<Link> links;       // of point 0, point 1 ..
-  std::vector<int> first_links;  // by point, and one past all
+  std::vector<Pair> pairs;  // of bends; first those of edges, in their order
   std::vector<CurvedTriangle> curved;
   std::vector<CurvedLink> curved_links;  // of point 0, point 1 ..
   std::vector<int> first_curved_links;   // by point, and one past all; empty: none is curved
   std::vector<Piece> pieces;             // joined by triangles
   std::vector<int> piece_ids;            // by point
+
+  // For kernels, see add_kernel_arrays().
+  std::vector<Block> blocks;         // of `triangles`
+  std::vector<double> edge_weights;  // by edge: those of bends [N/m]
+  std::vector<double> edge_damping;  // by edge: twice the internal damping of the membrane [s]
+  std::vector<EdgeLink> edge_links;  // of point 0, point 1 ..
+  std::vector<int> first_links;      // by point, and one past all
+  BendLinks bend_links;
+
+  /// Number of the pull of edge k of a triangle, among those of all blocks.
+  static int pull_number(int triangle, int k) {
+    return Block::size * (3 * (triangle / Block::size) + k) + triangle % Block::size;
+  }
+  int num_blocks() const {
+    return (static_cast<int>(triangles.size()) + Block::size - 1) / Block::size;
+  }
+  int no_pull() const { return 3 * Block::size * num_blocks(); }
 
   int piece_of(int point) const { return piece_ids[static_cast<std::size_t>(point)]; }
   const std::array<double, 2>& internal_damping_at(int point) const {
@@ -117,5 +149,8 @@ struct Cloth;
 /// `stiffness` is that of the edge while all others keep their length. Springs of one batch share
 /// no point.
 void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth);
+
+/// Its arrays for kernels: blocks, and all by edge and by point, from the others.
+void add_kernel_arrays(int points, TriangleFabric&);
 
 }  // namespace clothsim
