@@ -77,9 +77,8 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   const double margin = step.h * (speed + of_surface) + step.undetected + keeps.points;
   const double to_middle = step.displacement_factor * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
-  if (keeps.faces && std::isinf(local_.edge)) {
-    local_.edge = longest_edge(state.positions, cloth.triangles);
-  }
+  const bool needs_edge = keeps.faces && std::isinf(local_.edge);
+  if (needs_edge) local_.edge = longest_edge(state.positions, cloth.triangles);
   // Points whose faces may reach the collider are measured, too, so that they sleep again.
   const double reach = keeps.faces ? near + local_.edge / std::sqrt(3) : near;
   s.sleep_bounds.find_near(motion_bound_.total(), reach, s.near);
@@ -108,8 +107,8 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     }
   }
   if (s.has_faces) {
-    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected,
-                 step.undetected > 0 ? near : margin,
+    const double within = step.undetected > 0 ? near : margin;
+    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected, within,
                  motion_bound_.total() + s.sleep_bounds.moved(), step.h * (speed + of_surface),
                  local_, state, penetration.faces});
   }

@@ -86,7 +86,8 @@ class Zones {
     const auto count = static_cast<int>(displacements.rows());
     const auto holds = [&](int i) {
       const auto number = static_cast<std::size_t>(i);
-      const bool is_pinched = step.pinched && number < step.pinched->size() && (*step.pinched)[number];
+      const bool is_pinched =
+          step.pinched && number < step.pinched->size() && (*step.pinched)[number];
       return cloth.inv_mass[i] == 0 || is_pinched;
     };
     std::vector<bool> is_held(next_.size(), false);

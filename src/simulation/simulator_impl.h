@@ -346,8 +346,7 @@ struct Simulator::Impl {
     return std::any_of(colliders.begin(), colliders.end(),
                        [](const MovingCollider& c) { return c.enabled(); });
   }
-  /// Are all colliders out of reach in this frame? Sets allowed_displacement, the points'
-  /// displacement.
+  /// Are all colliders out of reach in this frame? Sets allowed_displacement.
   bool is_out_of_reach();
   /// The cloth with the added inertia in a step of h [s].
   const Cloth& add_tension_mass(double h);

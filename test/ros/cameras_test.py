@@ -48,19 +48,22 @@ class CamerasTest(CameraTestCase):
 
     def test_a_frame_carries_one_of_them(self):
         broadcaster = tf2_ros.StaticTransformBroadcaster()
-        # Its optical axis is x of the world, its y (down) is -z.
-        transform = make_transform("wrist_optical", (-3, 0.5, 0.5))
-        transform.transform.rotation = Quaternion(-0.5, 0.5, -0.5, 0.5)
+        # It looks down on the cloth at 45 degrees: its optical axis is (1, 0, -1), its x is -y.
+        eye, axis = np.array([-1.5, 0.5, 2]), np.sqrt(0.5) * np.array([1, 0, -1])
+        transform = make_transform("wrist_optical", eye)
+        half = np.pi / 8
+        more, less = (np.cos(half) + np.sin(half)) / 2, (np.cos(half) - np.sin(half)) / 2
+        transform.transform.rotation = Quaternion(-more, more, -less, less)
         broadcaster.sendTransform(transform)
 
-        def depth_of_carried():
+        def depths_of_carried():
             state = self.cloth.step(3)
             frame = self.cameras["camera_wrist"].frame(state.header.stamp)
             if frame.images["depth"].header.frame_id != "wrist_optical":
                 return None
-            return state, frame.depth[frame.mask == 1].min()
-        state, depth = wait_for(depth_of_carried, "pictures from the wrist")
-        self.assertAlmostEqual(depth, positions(state)[:, 0].min() + 3, delta=0.1)  # edge on
+            return (positions(state) - eye) @ axis, frame.depth[frame.mask == 1]
+        points, pixels = wait_for(depths_of_carried, "pictures from the wrist")
+        self.assertAlmostEqual(pixels.min(), points.min(), delta=0.03)
         self.assertAlmostEqual(self.frames()["camera_top"].depth.min(), 2, delta=0.6)
 
     def test_looks_are_of_all_and_viewpoints_of_each(self):
