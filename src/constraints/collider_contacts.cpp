@@ -74,7 +74,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   // Nothing farther away can touch it.
   const Clearance keeps = clearance(collider.shape(), cloth, step.stretch, has_pinched_);
   const double of_surface = s.moved / step.h;
-  const double margin = step.h * (speed + of_surface) + step.undetected + keeps.points;
+  const double margin = step.h * (speed + of_surface) + step.undetected_move + keeps.points;
   const double to_middle = step.displacement_factor * step.h * (drift + of_surface);
   const double near = margin + to_middle + keeps.points;
   const bool needs_edge = keeps.faces && std::isinf(local_.edge);
@@ -98,7 +98,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     leave_out_passing(s, collider, cloth, step, state);
   }
   if (s.is_close) {
-    const ContactSlots::Detector detector(collider, cloth, s.keeps, s.asked(collider, cloth, near));
+    const ContactSlots::Detector detector(collider, cloth, s.keeps, s.query(collider, cloth, near));
     for (const Span& span : s.near) {
       const int end = ContactSlots::end_of(span.end - 1, cloth);
       for (int i = ContactSlots::first_of(span.begin); i < end; ++i) {
@@ -107,8 +107,8 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
     }
   }
   if (s.has_faces) {
-    const double within = step.undetected > 0 ? near : margin;
-    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected, within,
+    const double within = step.undetected_move > 0 ? near : margin;
+    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected_move, within,
                  motion_bound_.total() + s.sleep_bounds.moved(), step.h * (speed + of_surface),
                  local_, state, penetration.faces});
   }
@@ -118,7 +118,7 @@ void ColliderContacts::find_points(ColliderCache& s, const MovingCollider& colli
                                    const Cloth& cloth, const ContactStep& step, const State& state,
                                    std::optional<double> travelled) {
   const ContactSlots::Detector detector(collider, cloth, s.keeps,
-                                        s.asked(collider, cloth, s.within));
+                                        s.query(collider, cloth, s.within));
   for (const Span& span : s.near) {
     double nearest[Span::longest];
     s.slots.find(span, detector, cloth, step, state, nearest);
@@ -177,7 +177,7 @@ void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies*
   }
 }
 
-MeshQuery ColliderContacts::ColliderCache::asked(const MovingCollider& collider, const Cloth& cloth,
+MeshQuery ColliderContacts::ColliderCache::query(const MovingCollider& collider, const Cloth& cloth,
                                                  double distance) {
   if (!std::holds_alternative<MeshShape>(collider.shape())) return {};
   neighbourhoods.resize(static_cast<std::size_t>(cloth.num_points()));

@@ -40,7 +40,7 @@ void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders
     ColliderCache& s = caches_[k];
     if (s.near.empty()) continue;
     const ContactSlots::Detector detector(colliders[k], cloth, s.keeps,
-                                          s.asked(colliders[k], cloth, 2 * s.keeps));
+                                          s.query(colliders[k], cloth, 2 * s.keeps));
     double longest = 0;
     for (const Span& span : s.near) {
       const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
@@ -53,10 +53,10 @@ void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders
   motion_bound_.end(positions);
 }
 
-void ColliderContacts::moved_out(std::size_t collider, double displacement) {
-  motion_bound_.add(displacement);
+void ColliderContacts::moved_out(std::size_t collider, double distance) {
+  motion_bound_.add(distance);
   // It may have been moved into another one.
-  for (std::size_t other = 0; other < collider && displacement >= penetration_slop; ++other) {
+  for (std::size_t other = 0; other < collider && distance >= penetration_slop; ++other) {
     caches_[other].is_clear = false;
   }
 }
@@ -83,19 +83,19 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
   s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
   const ContactSlots::Detector detector(collider, cloth, keeps.points,
-                                        s.asked(collider, cloth, 2 * keeps.points));
+                                        s.query(collider, cloth, 2 * keeps.points));
   double longest = 0;
   for (const Span& span : s.inside) {
     const double* can_move = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
     double free[Span::longest * ContactSlots::block], min_distances[Span::longest];
     if (s.is_close || pinches_.count() > 0) {
-      const double displacement = project_closely(s, span, detector, cloth, start, positions, free);
-      longest = std::max(longest, displacement);
+      const double distance = project_closely(s, span, detector, cloth, start, positions, free);
+      longest = std::max(longest, distance);
       can_move = free;
     }
-    const double displacement =
+    const double distance =
         ContactSlots::project_positions(span, detector, can_move, start, positions, min_distances);
-    longest = std::max(longest, displacement);
+    longest = std::max(longest, distance);
     for (int b = span.begin; b < span.end; ++b) {
       const double nearest = min_distances[b - span.begin];
       if (!s.slots.has_active(b)) s.sleep_bounds.keep(b, nearest, motion_bound_.total());

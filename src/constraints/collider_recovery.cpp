@@ -135,7 +135,7 @@ void ColliderContacts::look_closely(ColliderCache& s, int i, const ContactSlots:
   // A rigid body is not pushed off: the projection alone moves the point out.
   const bool is_body =
       step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
-  const double recovery = is_body ? 0 : step.recovery_factor * way_out_speed(depth);
+  const double recovery = is_body ? 0 : step.recovery_factor * exit_speed(depth);
   s.slots.put(i, normal, surface_velocity, target_velocity + recovery);
 }
 
@@ -266,9 +266,9 @@ double ColliderContacts::project_closely(ColliderCache& s, const Span& span,
     double& is_free = free[i - first];
     is_free = pinches_.holds(i) ? 0 : cloth.inv_mass[i];
     if (!s.is_close || is_free == 0) continue;
-    const auto displacement = project_closely(s, i, detector, start, positions);
-    if (!displacement) continue;
-    longest = std::max(longest, *displacement);
+    const auto distance = project_closely(s, i, detector, start, positions);
+    if (!distance) continue;
+    longest = std::max(longest, *distance);
     is_free = 0;
   }
   return longest;
@@ -285,8 +285,8 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   if (entry) to = entry->end;
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.exit_direction && s.leaves[static_cast<std::size_t>(i)]) {
-    const double displacement = s.exit_direction->dot(to - from);
-    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - displacement) * *s.exit_direction;
+    const double advance = s.exit_direction->dot(to - from);
+    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - advance) * *s.exit_direction;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;
@@ -296,9 +296,9 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= penetration_slop;
   const Vector3 end = to_world(collider.pose(), to);
-  const double displacement = (end - row(positions, i)).norm();
+  const double distance = (end - row(positions, i)).norm();
   positions.row(i) = end.transpose();
-  return displacement;
+  return distance;
 }
 
 }  // namespace clothsim

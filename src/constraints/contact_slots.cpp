@@ -224,15 +224,15 @@ struct SpanDistances {
 
 ContactSlots::Detector::Detector(const MovingCollider& c, const Cloth& all, double kept,
                                  const MeshQuery& a)
-    : collider(c), cloth(all), frame(c.pose()), before(c.previous()), offset(kept), asked_(a) {}
+    : collider(c), cloth(all), frame(c.pose()), before(c.previous()), offset(kept), query_(a) {}
 
 void ContactSlots::Detector::add_nearer(int first, int count, double* distances) const {
   if (cloth.thicknesses.size() == 0) return;
   for (int i = 0; i < count; ++i) distances[i] += cloth.nearer_by(first + i);
 }
 
-MeshQuery ContactSlots::Detector::asked(int first) const {
-  return {asked_.near, asked_.neighbourhoods ? asked_.neighbourhoods + first : nullptr};
+MeshQuery ContactSlots::Detector::query(int first) const {
+  return {query_.near, query_.neighbourhoods ? query_.neighbourhoods + first : nullptr};
 }
 
 void ContactSlots::reset(const Cloth& cloth) {
@@ -256,7 +256,7 @@ void ContactSlots::find(const Span& span, const Detector& detector, const Cloth&
           {collider.velocity(), collider.angular_velocity(), detector.frame.origin},
           run_from(state.positions, first), drifted, &at(span.begin), {x, y, z});
   signed_distances(collider.shape(), detector.frame, {x, y, z}, detector.before,
-                   run_from(step.start, first), count, detector.asked(first), distances.value,
+                   run_from(step.start, first), count, detector.query(first), distances.value,
                    distances.normals());
   for (int b = span.begin; b < span.end; ++b) {
     nearest[b - span.begin] = least_distance(b, distances.value + first_of(b) - first);
@@ -361,7 +361,7 @@ double ContactSlots::project_positions(const Span& span, const Detector& detecto
   const int count = std::min(first_of(span.end), static_cast<int>(start.rows())) - first;
   SpanDistances distances;
   signed_distances(detector.collider.shape(), detector.frame, run_from(positions, first),
-                   detector.before, run_from(start, first), count, detector.asked(first),
+                   detector.before, run_from(start, first), count, detector.query(first),
                    distances.value, distances.normals());
   for (int i = 0; i < count; i += block_size) {
     min_distances[i / block_size] =

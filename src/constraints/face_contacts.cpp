@@ -185,7 +185,7 @@ void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact
   contact.compute_effective_mass(cloth);
   contact.nearest = keeps;
   const bool is_body = step.bodies && step.bodies->is_body(static_cast<std::size_t>(number));
-  const double recovery = is_body ? 0 : lever * step.recovery_factor * way_out_speed(depth);
+  const double recovery = is_body ? 0 : lever * step.recovery_factor * exit_speed(depth);
   contact.impulse = {normal, surface_velocity, target_velocity + recovery, collider.friction()};
   if (last) contact.impulse.keep(last->impulse);
   list_.add(contact);

@@ -336,7 +336,7 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
 
   const double impulse_time = step_.displacement_factor * step_.h;
   struct Longest {
-    double way2 = 0;
+    double move2 = 0;
   };
   const auto bands = workers.gather<Longest>(
       static_cast<int>(touched_.size()),
@@ -348,14 +348,14 @@ StrainLimit::Passes StrainLimit::solve(const Cloth& cloth, double displacement_f
                           impulse_time * (v.z - from.z), 0};
           x = {x.x + move.x, x.y + move.y, x.z + move.z, x.w};
           set_row(state.positions, touched_[i], x);
-          longest.way2 =
-              std::max(longest.way2, move.x * move.x + move.y * move.y + move.z * move.z);
+          longest.move2 =
+              std::max(longest.move2, move.x * move.x + move.y * move.y + move.z * move.z);
         }
       },
       points_at_once, 1);
   store(state.velocities, workers);
   moved_ = 0;
-  for (const Longest& longest : bands) moved_ = std::max(moved_, std::sqrt(longest.way2));
+  for (const Longest& longest : bands) moved_ = std::max(moved_, std::sqrt(longest.move2));
   solved_alone_ = true;
   return passes;
 }

@@ -15,7 +15,7 @@ namespace {
 /// Added inertia, as a multiple of h^2 sum(T / l). More keeps longer steps stable than the weight
 /// needs, but passes converge more slowly with unequal masses: at 0.5 a cloth of 50 x 50 points may
 /// shake for lack of passes.
-constexpr double added_inertia = 0.4;
+constexpr double inertia_factor = 0.4;
 
 /// Share of added inertia that is left after a step where tension falls. Passes that end early
 /// leave noise in tension, and inertia that followed it would make the noise of the next step: at
@@ -23,8 +23,9 @@ constexpr double added_inertia = 0.4;
 constexpr double kept_share = 0.97;
 
 /// Largest added inertia over a point's mass: with more, no step is stable. With x = h^2 sum(T / l)
-/// / m that is x < 2 (1 + added_inertia x). Where pins or colliders conflict, tension has no bound.
-constexpr double max_added = added_inertia / (0.5 - added_inertia);
+/// / m that is x < 2 (1 + inertia_factor x). Where pins or colliders conflict, tension has no
+/// bound.
+constexpr double max_added = inertia_factor / (0.5 - inertia_factor);
 
 /// Points that are checked together for tension, as the division takes longer than the check.
 constexpr int checked_together = num_lanes * num_lanes;
@@ -186,7 +187,7 @@ void TensionInertia::add_tension_mass(const Cloth& cloth, double h, const State&
   }
   inv_mass.resize(cloth.num_points());
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
-    add_inertia(end - begin, added_inertia * h * h, &cloth.mass[begin], &cloth.inv_mass[begin],
+    add_inertia(end - begin, inertia_factor * h * h, &cloth.mass[begin], &cloth.inv_mass[begin],
                 &stiffness_[begin], &inv_mass[begin]);
   });
   const double* const first = cloth.inv_mass.data();
@@ -205,7 +206,7 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
   add_up(count,
          {run_from(state.positions, 0), run_from(state.velocities, 0),
           run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), impulse_time,
-          added_inertia * h * h, std::exp(-cloth.damping * h), origin},
+          inertia_factor * h * h, std::exp(-cloth.damping * h), origin},
          body);
 
   // A rigid motion of the whole, about the centre of mass.
@@ -225,11 +226,11 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
 }
 
 double TensionInertia::mass_ratio(double h) const {
-  return is_tense_ ? added_inertia * h * h * total(count(), stiffness_.data()) / mass_ : 0;
+  return is_tense_ ? inertia_factor * h * h * total(count(), stiffness_.data()) / mass_ : 0;
 }
 
 double TensionInertia::mass_ratio_at(double frequency, double h) {
-  return added_inertia * (h * frequency) * (h * frequency);
+  return inertia_factor * (h * frequency) * (h * frequency);
 }
 
 double TensionInertia::frequency(const Cloth& cloth) const {

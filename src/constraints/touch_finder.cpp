@@ -12,7 +12,7 @@ namespace {
 /// Displacement of points between two detections, of the least contact distance: contacts in
 /// between were found ahead from the velocities at the first. With twice as much towels take as
 /// long, with 0.1 an eighth longer.
-constexpr double unseen_way = 0.25;
+constexpr double undetected_share = 0.25;
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void TouchFinder::look(const ContactStep& step) {
   // With velocities after contact: with those after forces, all of a pile at rest would be about to
   // touch.
   const Points& velocities = step.velocities ? *step.velocities : step.drifted;
-  const double max_time = unseen_way * near_.min_nearest() / longest_beyond_mean(velocities);
+  const double max_time = undetected_share * near_.min_nearest() / longest_beyond_mean(velocities);
   double time = std::max(step.ahead, std::min(step.left, max_time));
   // An impulse moves points from the middle of its step on: without this they would overlap by half
   // of their displacement.
@@ -86,7 +86,7 @@ void TouchFinder::look(const ContactStep& step) {
   looked_at_ = step.detected_at ? *step.detected_at : step.start;
   near_.approaching(looked_at_, step.start + time * velocities, step.workers, step.budget);
   time_ = step.since - step.h;
-  displacement_ = 0;
+  max_displacement_ = 0;
 }
 
 void TouchFinder::find(const Cloth& cloth, const ContactStep& step, const State& state,
@@ -141,12 +141,12 @@ int TouchFinder::guard(const Cloth& cloth, const ContactStep& step, const Points
   if (looked_at_.rows() == 0) {  // the path until now has been checked
     looked_at_ = step.start;
     time_ = step.since;
-    displacement_ = 0;
+    max_displacement_ = 0;
   }
-  const double last = displacement_;
-  displacement_ = longest_beyond_mean(looked_at_, state.positions);
-  const double next = displacement_ + (displacement_ - last);
-  if (step.left > step.h && next <= unseen_way * near_.min_nearest()) return 0;
+  const double last = max_displacement_;
+  max_displacement_ = longest_beyond_mean(looked_at_, state.positions);
+  const double next = max_displacement_ + (max_displacement_ - last);
+  if (step.left > step.h && next <= undetected_share * near_.min_nearest()) return 0;
 
   int truncated = 0;
   if (kind_ == SelfCollision::surface) truncated = guard_path(cloth, step, by_impulses, state);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 namespace clothsim {
-namespace {}  // namespace
 
 void TriangleBlocks::reset(const Cloth& cloth) {
   triangles_ = cloth.triangles.size();

@@ -16,7 +16,7 @@ constexpr int max_passes = 200;
 
 /// Displacement of a point in a pass towards the surface that it crosses, at most, of the shortest
 /// edge: small relative to the distance between one layer and the next but one.
-constexpr double max_displacement = 0.2;
+constexpr double max_move_share = 0.2;
 
 /// Displacement of such a point beyond that surface, of the shortest edge: it ends clearly on its
 /// own side.
@@ -239,8 +239,8 @@ std::array<bool, 2> parts_to_go_back(const Surface& surface, const CrossingConto
 }
 
 /// Displacements of a pass that take crossing parts apart. `edge_length`: the shortest edge [m].
-Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& contours,
-                  double edge_length) {
+Points displacements_apart(const Surface& surface, const std::vector<CrossingContour>& contours,
+                           double edge_length) {
   Displacements displacements(surface.cloth());
   PartCounter counter(surface.edges());
   for (const CrossingContour& contour : contours) {
@@ -250,11 +250,11 @@ Points ways_apart(const Surface& surface, const std::vector<CrossingContour>& co
         const bool is_first = surface.is_above(c) == is_part_above[s];
         const double depth =
             std::abs(c.normal.dot(surface.along(c))) * (is_first ? c.share : 1 - c.share);
-        const double displacement =
-            (std::min(depth / edge_length, max_displacement) + overshoot) * edge_length;
+        const double distance =
+            (std::min(depth / edge_length, max_move_share) + overshoot) * edge_length;
         displacements.ask(surface.edges()[c.edge].points[is_first ? 0 : 1],
                           surface.cloth().triangles[static_cast<std::size_t>(c.triangle)],
-                          c.weights, (is_part_above[s] ? -displacement : displacement) * c.normal);
+                          c.weights, (is_part_above[s] ? -distance : distance) * c.normal);
       }
     }
   }
@@ -299,7 +299,7 @@ Untangled untangle(const Cloth& cloth, const std::vector<MovingCollider>& collid
   for (int pass = 0; pass < max_passes && result.left > 0; ++pass) {
     if (is_interrupted && is_interrupted()) break;
     const auto contours = find_contours(cloth, edges, pairs, now);
-    now += ways_apart({cloth, edges, now}, contours, edge_length);
+    now += displacements_apart({cloth, edges, now}, contours, edge_length);
     keep_out(cloth, colliders, now);
     pairs = find_intersections(cloth, now);
     if (static_cast<int>(pairs.size()) >= result.left) continue;

@@ -142,7 +142,7 @@ bool are_below(const Matrices<float>& s, const double* inv_mass, int count, doub
 template <typename Real>
 class StiffnessBlock {
  public:
-  /// For points [first, first + count), `count` at most `block`.
+  /// For points [first, first + count), `count` at most `points_at_once`.
   void sum(const Cloth& cloth, const Points& positions, int first, int count) {
     sums_.assign(coefficients * points_at_once, 0);
     for_each_band(cloth, [&](const SpringBand& band) {

@@ -13,8 +13,8 @@
 namespace clothsim {
 namespace {
 
-/// Groups of items, each on one of two sides: a union-find with parities.
-class Groups {
+/// ContourGroups of items, each on one of two sides: a union-find with parities.
+class ContourGroups {
  public:
   int add() {
     parents_.push_back(static_cast<int>(parents_.size()));
@@ -103,7 +103,7 @@ class Crossings {
     return found;
   }
 
-  Groups& groups() { return groups_; }
+  ContourGroups& groups() { return groups_; }
 
   std::vector<CrossingContour> contours() const {
     std::vector<CrossingContour> result;
@@ -123,7 +123,7 @@ class Crossings {
   const Points& positions_;
   std::vector<EdgeCrossing> all_;
   std::map<std::pair<int, int>, int> known_;  // by edge and triangle; -1: they do not cross
-  Groups groups_;
+  ContourGroups groups_;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr double most_ease = 0.5;
 constexpr int least_of_curve = 4;
 
 /// Things that are joined to groups.
-using Groups = boost::disjoint_sets_with_storage<>;
+using PointGroups = boost::disjoint_sets_with_storage<>;
 
 class Sewer {
  public:
@@ -44,7 +44,7 @@ class Sewer {
 
   /// Segments of each side: as many on all sides that are sewn to each other.
   void count_points() {
-    Groups groups(first_sides_.back());
+    PointGroups groups(first_sides_.back());
     for (std::size_t s = 0; s < pattern_.seams.size(); ++s) {
       const auto& [a, b] = pattern_.seams[s];
       check_lengths(s, length_of(side(a)), length_of(side(b)));
@@ -129,7 +129,7 @@ class Sewer {
 
   /// Moves the points of seams to the middle of their places.
   void join() {
-    Groups groups(places_.size());
+    PointGroups groups(places_.size());
     for (const auto& [a, b] : pattern_.seams) {
       const int last = segments_[number(a)];
       const auto gap = [&](int of_a, int of_b) {
@@ -154,7 +154,7 @@ class Sewer {
 
   /// Throws InvalidValue for points at one place, which become one point of the cloth, without a
   /// seam.
-  void check_touching(Groups& groups) const {
+  void check_touching(PointGroups& groups) const {
     std::map<std::array<double, 3>, std::size_t> group_at;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const Vector3& x = places_[i];

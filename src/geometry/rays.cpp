@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace clothsim {
-namespace {}  // namespace
 
 double hit_by_ray(const Vector3& o, const Vector3& d, const std::array<Vector3, 3>& t) {
   const Vector3 e = t[1] - t[0], f = t[2] - t[0], across = d.cross(f);

@@ -59,8 +59,8 @@ Mesh plane_mesh(double extent, int segments) {
 
 Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
   // Rows on each round end and on the cylinder between, in proportion to their lengths.
-  const double arc = M_PI / 2 * capsule.radius, outline = 2 * arc + capsule.length;
-  const int round = std::max(2, static_cast<int>(std::lround(rows * arc / outline)));
+  const double arc = M_PI / 2 * capsule.radius, profile_length = 2 * arc + capsule.length;
+  const int round = std::max(2, static_cast<int>(std::lround(rows * arc / profile_length)));
   const int straight = std::max(1, rows - 2 * round);
 
   Mesh mesh = grid_mesh(columns, 2 * round + straight);
@@ -76,15 +76,17 @@ Mesh capsule_mesh(const Capsule& capsule, int columns, int rows) {
     mesh.normals.row(i) = n;
     mesh.positions.row(i) = capsule.radius * n + middle * Vector3::UnitZ();
     mesh.tangents.row(i) << -std::sin(around), std::cos(around), 0;
-    mesh.uv(i, 1) = (arc * (below + above) / round + capsule.length * along / straight) / outline;
+    mesh.uv(i, 1) =
+        (arc * (below + above) / round + capsule.length * along / straight) / profile_length;
   }
   return mesh;
 }
 
 Mesh cylinder_mesh(const Cylinder& cylinder, int columns, int rows) {
   // Rings from the middle of one end over the side to the middle of the other.
-  const double outline = 2 * cylinder.radius + cylinder.length;
-  const int flat = std::max(1, static_cast<int>(std::lround(rows * cylinder.radius / outline)));
+  const double profile_length = 2 * cylinder.radius + cylinder.length;
+  const int flat =
+      std::max(1, static_cast<int>(std::lround(rows * cylinder.radius / profile_length)));
   const int straight = std::max(1, rows - 2 * flat);
   Mesh mesh;
   const auto add = [&](const Mesh& part, const auto& place) {
@@ -100,7 +102,7 @@ Mesh cylinder_mesh(const Cylinder& cylinder, int columns, int rows) {
       mesh.positions.row(first + i) = radius * out + height * Vector3::UnitZ();
       mesh.normals.row(first + i) = normal;
       mesh.tangents.row(first + i) << -std::sin(around), std::cos(around), 0;
-      mesh.uv.row(first + i) << part.uv(i, 0), along / outline;
+      mesh.uv.row(first + i) << part.uv(i, 0), along / profile_length;
     }
     for (const auto& [a, b, c] : part.triangles)
       mesh.triangles.push_back({first + a, first + b, first + c});

@@ -4,8 +4,7 @@
 
 namespace clothsim {
 
-// Values that an image shows; the bounds keep the sums in the shaders finite.
-constexpr Range coordinate_range{-1e6, 1e6, "m"};
-constexpr Range channel_range{0, 1, ""};
+constexpr Range coordinate_range{-1e6, 1e6, "m"};  // single precision resolves 6 cm there
+constexpr Range channel_range{0, 1, ""};           // of a colour
 
 }  // namespace clothsim

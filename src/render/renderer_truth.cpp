@@ -1,4 +1,3 @@
-
 #include "clothsim/render/mesh.h"
 #include "renderer_impl.h"
 

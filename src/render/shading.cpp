@@ -13,7 +13,7 @@ namespace {
 constexpr Range coefficient{0, 1e3, ""};
 constexpr Range exponent{1e-3, 1e5, ""};
 constexpr Range scaling{-1e3, 1e3, ""};
-constexpr Range displacement{-1e3, 1e3, "m"};
+constexpr Range height_range{-1e3, 1e3, "m"};
 constexpr Range level_count{1, 256, ""};  // 8-bit images have no more
 
 void check(const Phong& p) {
@@ -39,7 +39,7 @@ void check(const Textured&) {}
 void check(const Bump& s) {
   check_range("color", s.color, channel_range);
   check(s.phong);
-  check_range("height_scaling", s.height_scaling, displacement);
+  check_range("height_scaling", s.height_scaling, height_range);
   check_range("normal_scaling", s.normal_scaling, scaling);
 }
 void check(const Mirror&) {}

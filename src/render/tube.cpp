@@ -45,7 +45,7 @@ class Rings {
   Rings(Mesh& mesh, int first, TubeAlong along) : mesh_(mesh), next_(first), along_(along) {}
 
   /// `tilt` is the angle [rad] of the normals towards the line's end.
-  void add(const Section& s, double radius, double tilt, double along) {
+  void add(const Section& s, double radius, double tilt, double share) {
     const Vector3 side = s.along.cross(s.out);
     for (int k = 0; k < stride; ++k, ++next_) {
       const double around = 1.0 * k / sides, angle = 2 * M_PI * around;
@@ -56,10 +56,10 @@ class Rings {
       mesh_.positions.row(next_) = s.center + radius * normal;
       if (along_ == TubeAlong::u) {
         mesh_.tangents.row(next_) = forward;
-        mesh_.uv.row(next_) << along, 1 - around;
+        mesh_.uv.row(next_) << share, 1 - around;
       } else {
         mesh_.tangents.row(next_) = s.along.cross(out);
-        mesh_.uv.row(next_) << around, along;
+        mesh_.uv.row(next_) << around, share;
       }
     }
   }

@@ -9,8 +9,8 @@ namespace {
 
 /// Bound on the displacement, by a change of pose, of the shape's points that are no farther out
 /// than the cloth [m].
-double way_between(const clothsim::Pose& a, const clothsim::Pose& b,
-                   const clothsim::ColliderSpec& collider, const clothsim::Points& cloth) {
+double distance_between(const clothsim::Pose& a, const clothsim::Pose& b,
+                        const clothsim::ColliderSpec& collider, const clothsim::Points& cloth) {
   const double straight = (b.position - a.position).norm();
   const double angle = a.orientation.angularDistance(b.orientation);
   if (angle == 0) return straight;
@@ -92,7 +92,7 @@ void FrameFollower::move_collider(Follower& follower, clothsim::Simulator& simul
   const bool moves = !same(pose, *follower.applied);
   if (moves) {
     const auto& collider = simulator.scene().colliders[static_cast<size_t>(follower.index)];
-    distance = way_between(*follower.applied, pose, collider, simulator.state().positions);
+    distance = distance_between(*follower.applied, pose, collider, simulator.state().positions);
   }
   if (follower.memory.watch.jumps(distance, simulator.frame_duration())) {
     simulator.place_collider(follower.index, pose);

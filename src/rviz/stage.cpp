@@ -13,7 +13,7 @@ namespace {
 using clothsim::Vector3;
 using Box = Eigen::AlignedBox3d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using clothsim::infinity;
 
 /// Samples along the cloth and around colliders, and the margin around the box as a share of the
 /// distance.

@@ -57,7 +57,7 @@ std::size_t hash_of(const ClothMesh& mesh) {
   return hash;
 }
 
-/// KeyedLines of keys and values.
+/// Lines of keys and values.
 class KeyedLines {
  public:
   void add(const std::string& key, const std::string& value) { text_ += key + ": " + value + '\n'; }

@@ -39,7 +39,7 @@ PlanePoint read_place(const YAML::Node& node) {
 }
 
 /// The part of an outline between two corners; a straight line where both are empty.
-struct Side {
+struct GivenSide {
   std::optional<PlanePoint> arc;
   std::vector<PlanePoint> curve;
 
@@ -49,8 +49,8 @@ struct Side {
   }
 };
 
-Side read_side(const YAML::Node& node) {
-  Side side;
+GivenSide read_side(const YAML::Node& node) {
+  GivenSide side;
   const auto read_curve = [&](const YAML::Node& list) {
     read_list(list, [&](const YAML::Node& item) { side.curve.push_back(read_place(item)); });
   };
@@ -64,16 +64,16 @@ Side read_side(const YAML::Node& node) {
 
 std::vector<PanelSide> read_outline(const YAML::Node& node) {
   std::vector<PlanePoint> corners;
-  std::vector<std::pair<Side, std::size_t>> sides_given;  // after each corner, and its item
+  std::vector<std::pair<GivenSide, std::size_t>> given_sides;  // after each corner, and its item
   std::size_t index = 0;
   read_list(node, [&](const YAML::Node& item) {
     if (!item.IsMap()) {
       corners.push_back(read_place(item));
-      sides_given.emplace_back();
-    } else if (corners.empty() || sides_given.back().second != 0) {
+      given_sides.emplace_back();
+    } else if (corners.empty() || given_sides.back().second != 0) {
       throw InvalidValue({}, describe(item), "a corner [x, y] before each arc or curve");
     } else {
-      sides_given.back() = {read_side(item), index};
+      given_sides.back() = {read_side(item), index};
     }
     ++index;
   });
@@ -82,8 +82,8 @@ std::vector<PanelSide> read_outline(const YAML::Node& node) {
   }
   std::vector<PanelSide> sides;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    inside(std::to_string(sides_given[k].second), [&] {
-      sides.push_back(sides_given[k].first.side(corners[k], corners[(k + 1) % corners.size()]));
+    inside(std::to_string(given_sides[k].second), [&] {
+      sides.push_back(given_sides[k].first.side(corners[k], corners[(k + 1) % corners.size()]));
     });
     if (length_of(sides.back()) > 0) continue;
     throw InvalidValue({}, "corner " + std::to_string(k) + " again", "a corner at another place");

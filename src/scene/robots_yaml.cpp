@@ -36,7 +36,7 @@ struct Robot {
 };
 
 /// Range of the padding of each side, far beyond a robot's needs.
-constexpr Range padding_range{0, 1, "m"};
+constexpr Range robot_padding_range{0, 1, "m"};
 
 void read_links(const YAML::Node& node, Robot& robot) {
   if (is_word(node, "all")) return;
@@ -174,7 +174,7 @@ Robot read_entry(const YAML::Node& node, const SceneSources& sources) {
                    }},
                   {"bodies", into(robot.has_bodies)},
                   {"pose", [&](const YAML::Node& pose) { read_pose(pose, robot.pose); }}});
-  check_range("padding", robot.padding, padding_range);
+  check_range("padding", robot.padding, robot_padding_range);
   ColliderSpec any;  // of its links: values that are invalid for all of them are refused
   any.name = "robot";
   any.friction = robot.friction;

@@ -14,7 +14,7 @@ struct Run {
   const Frame& before;
   PointRun sides;
   int count;
-  const MeshQuery& asked;
+  const MeshQuery& query;
   double* distances;
   MutablePointRun normals;
 };
@@ -52,8 +52,8 @@ void find(const MeshShape& mesh, const Run& run) {
     const Vector3 point(run.points.x[i], run.points.y[i], run.points.z[i]);
     Solid::Neighbourhood none;
     const auto [value, local] = solid.distance_within(
-        run.asked.near + mesh.padding, run.frame.turn.transpose() * (point - run.frame.origin),
-        run.asked.neighbourhoods ? run.asked.neighbourhoods[i] : none);
+        run.query.near + mesh.padding, run.frame.turn.transpose() * (point - run.frame.origin),
+        run.query.neighbourhoods ? run.query.neighbourhoods[i] : none);
     const Vector3 normal = run.frame.turn * local;
     run.distances[i] = value - mesh.padding;
     run.normals.x[i] = normal.x();
@@ -65,9 +65,9 @@ void find(const MeshShape& mesh, const Run& run) {
 }  // namespace
 
 void signed_distances(const Shape& shape, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, const MeshQuery& asked, double* distances,
+                      PointRun sides, int count, const MeshQuery& query, double* distances,
                       MutablePointRun normals) {
-  const Run run{frame, points, before, sides, count, asked, distances, normals};
+  const Run run{frame, points, before, sides, count, query, distances, normals};
   std::visit([&](const auto& s) { find(s, run); }, shape);
 }
 

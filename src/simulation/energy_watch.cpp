@@ -100,13 +100,13 @@ double turn_of(const PatchBend& bend, const State& before, const Scalars& length
 double work_on_bends(const Cloth& cloth, const State& before, const Scalars& lengths) {
   double work = 0;
   for_each_bend(cloth, [&](const auto& bend) {
-    double displacement = turn_of(bend, before, lengths);  // of the stencil
+    double change = turn_of(bend, before, lengths);  // of the stencil
     for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      displacement += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
+      change += std::abs(bend.coefficient(k)) * lengths[bend.points[k]];
     }
-    if (displacement == 0) return;
-    work += bend.stiffness * (bend.deviation(before.positions).norm() * displacement +
-                              displacement * displacement / 2);
+    if (change == 0) return;
+    work +=
+        bend.stiffness * (bend.deviation(before.positions).norm() * change + change * change / 2);
   });
   return work;
 }
@@ -121,9 +121,9 @@ double work_on_membrane(const Cloth& cloth, const State& before, const Points& d
     Vector3 change;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto a = displacements.row(corners[k]), b = displacements.row(corners[(k + 1) % 3]);
-      const double displacement = std::max({a.norm(), b.norm(), (b - a).norm()});
+      const double longer = std::max({a.norm(), b.norm(), (b - a).norm()});
       const auto i = static_cast<Eigen::Index>(k);
-      change[i] = (2 * std::sqrt(q[i]) + displacement) * displacement;
+      change[i] = (2 * std::sqrt(q[i]) + longer) * longer;
     }
     if (change.isZero(0)) continue;
     const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
@@ -134,7 +134,7 @@ double work_on_membrane(const Cloth& cloth, const State& before, const Points& d
 }
 
 /// Work [J] against springs when points are driven: F s + k s^2 / 2, with F the initial force and s
-/// the displacement, for springs with one or both ends driven.
+/// the longer, for springs with one or both ends driven.
 double work_on_springs(const Cloth& cloth, const State& before, const Points& displacements) {
   if (displacements.size() == 0) return 0;
   const Scalars lengths = displacements.rowwise().norm();
@@ -144,11 +144,10 @@ double work_on_springs(const Cloth& cloth, const State& before, const Points& di
   double work = 0;
   for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
     if (lengths[a] == 0 && lengths[b] == 0) return;  // nearly all where a pin is moved
-    const double displacement =
+    const double longer =
         std::max({lengths[a], lengths[b], (displacements.row(b) - displacements.row(a)).norm()});
     const double length = (before.positions.row(b) - before.positions.row(a)).norm();
-    work += run.stiffness *
-            (std::abs(length - run.rest_length) * displacement + displacement * displacement / 2);
+    work += run.stiffness * (std::abs(length - run.rest_length) * longer + longer * longer / 2);
   });
   return work + work_on_bends(cloth, before, lengths);
 }

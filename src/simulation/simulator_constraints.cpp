@@ -71,7 +71,7 @@ double speed_within(const Points& velocities) {
   return std::sqrt(sum);
 }
 
-/// x += way (v - followed), followed = v. `count`: numbers in each array.
+/// x += impulse_time (v - followed), followed = v. `count`: numbers in each array.
 CLOTHSIM_TARGET_CLONES
 void follow(Eigen::Index count, double impulse_time, const double* velocities, double* followed,
             double* positions) {
@@ -191,7 +191,7 @@ ContactStep Simulator::Impl::contact_step(double h, double displacement_factor,
   if (frame_context.since > h) step.detected_at = &detected_at;
   step.since = frame_context.since;
   step.ahead = h * (frame_context.planned_steps + frame_context.steps_left);
-  step.undetected = frame_context.max_undetected_move;
+  step.undetected_move = frame_context.max_undetected_move;
   if (!bodies.empty()) step.bodies = &bodies;
   return step;
 }

@@ -225,9 +225,9 @@ bool Simulator::Impl::is_out_of_reach() {
   const double apart = edge + cloth.thickness;
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     const MovingCollider& collider = colliders[k];
-    const double displacement = bodies.is_body(k) ? displacement_of_bodies(frame_context.dt)
-                                                  : collider.max_speed_in(box) * frame_context.dt;
-    if (collider.reaches(box, apart + frame_context.allowed_displacement + displacement))
+    const double of_surface = bodies.is_body(k) ? displacement_of_bodies(frame_context.dt)
+                                                : collider.max_speed_in(box) * frame_context.dt;
+    if (collider.reaches(box, apart + frame_context.allowed_displacement + of_surface))
       return false;
   }
   return true;

@@ -271,7 +271,7 @@ struct Simulator::Impl {
     return longest_row(velocities) + std::max(frame_context.collider_speed, of_bodies);
   }
   ContactStep contact_step(double h, double displacement_factor, const SelfTouches&);
-  /// Moves points by the changes of their velocities since the last call: x += way dv.
+  /// Moves points by the changes of their velocities since the last call: x += impulse_time dv.
   void follow_velocities(double impulse_time);
   /// Corrects the violations that curvature and early ends of passes leave in the positions.
   void correct_positions(bool runs_detection, StepReport&);

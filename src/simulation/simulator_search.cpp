@@ -41,7 +41,7 @@ void Simulator::Impl::plan_detection(double h) {
 }
 
 double Simulator::Impl::max_undetected() {
-  double max_displacement = way_share * shortest_rest_length(cloth);
+  double max_displacement = motion_share * shortest_rest_length(cloth);
   if (self_contacts) max_displacement = std::min(max_displacement, 2 * cloth.min_thickness());
   if (!std::isfinite(max_displacement)) return 0;
 

@@ -62,15 +62,15 @@ int count_substeps(const Cloth& cloth, const Vector3& gravity, const Points& pos
 }
 
 int substeps_at_speed(const Cloth& cloth, double speed, double dt) {
-  const double steps = dt * speed / (way_share * shortest_rest_length(cloth));
+  const double steps = dt * speed / (motion_share * shortest_rest_length(cloth));
   return whole_steps(steps);
 }
 
 int substeps_at_parting(const Cloth& cloth, const Points& velocities, double dt, int min_steps) {
   const double max_rate = 2 * longest_row(velocities) / shortest_rest_length(cloth);
-  if (dt * max_rate <= way_share * min_steps) return min_steps;  // by far the cheaper check
-  const double rate = worst_stretch(cloth, velocities) + 1;      // |v_b - v_a| / L0, largest
-  return std::max(min_steps, whole_steps(dt * rate / way_share));
+  if (dt * max_rate <= motion_share * min_steps) return min_steps;  // by far the cheaper check
+  const double rate = worst_stretch(cloth, velocities) + 1;         // |v_b - v_a| / L0, largest
+  return std::max(min_steps, whole_steps(dt * rate / motion_share));
 }
 
 int substeps_at_weight(const Cloth& cloth, const Vector3& gravity, double dt) {

@@ -151,9 +151,9 @@ TEST(Recovery, ReportsWhatTheLastAttemptDid) {
     const StepReport report = simulator.step();
     if (report.recoveries == 0) continue;
     ASSERT_EQ(report.method, "implicit_euler");
-    Scene fallback_method = scene;
-    fallback_method.simulation.method = report.method;
-    Simulator other(fallback_method);
+    Scene by_fallback = scene;
+    by_fallback.simulation.method = report.method;
+    Simulator other(by_fallback);
     pull(other, 2);
     other.step();
     other.set_state(before);

@@ -22,6 +22,7 @@
 #include "says.h"
 #include "temporary_folder.h"
 
+namespace clothsim::simulate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -452,3 +453,4 @@ TEST_F(Simulate, IsBrokenOffWithinAFrameAndKeepsItsResults) {
 }
 
 }  // namespace
+}  // namespace clothsim::simulate_test

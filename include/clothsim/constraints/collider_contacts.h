@@ -135,12 +135,12 @@ class ColliderContacts {
     bool has_faces = false;  // whether triangles may touch it in this step
     bool is_clear = false;   // no free point was in it as the last step ended
     bool is_close = false;   // whether this step checks its points one by one
-    std::optional<Vector3>
-        exit_direction;        // common direction in which points leave it, own frame, unit
-    std::vector<char> leaves;  // by point: it leaves along exit_direction
+    /// Common direction in which points leave it, own frame, unit.
+    std::optional<Vector3> exit_direction;
+    std::vector<char> leaves;                          // by point: it leaves along exit_direction
     std::vector<Solid::Neighbourhood> neighbourhoods;  // of points, on a mesh
 
-    MeshQuery asked(const MovingCollider&, const Cloth&, double near);
+    MeshQuery query(const MovingCollider&, const Cloth&, double near);
   };
 
   /// Points and triangles that were in a collider when a step began, with the depth of the points
@@ -218,8 +218,8 @@ class ColliderContacts {
   void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
-  /// Points in a collider have been moved out by `way` [m] at most.
-  void moved_out(std::size_t collider, double displacement);
+  /// Points in a collider have been moved out by `distance` [m] at most.
+  void moved_out(std::size_t collider, double distance);
   /// Moves points that are in any collider out.
   void project_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                    Points& positions);

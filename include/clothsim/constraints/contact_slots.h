@@ -71,9 +71,9 @@ class ContactSlots {
 
   /// Data for the detection of contacts with one collider in a step.
   struct Detector {
-    /// `offset`: that points keep from the surface, those of the thickest cloth [m]. `asked`: for
+    /// `offset`: that points keep from the surface, those of the thickest cloth [m]. `query`: for
     /// all points. Nothing farther away than its `near` can touch.
-    Detector(const MovingCollider&, const Cloth&, double offset, const MeshQuery& asked);
+    Detector(const MovingCollider&, const Cloth&, double offset, const MeshQuery& query);
 
     const MovingCollider& collider;
     const Cloth& cloth;
@@ -85,11 +85,11 @@ class ContactSlots {
     /// Adds to the distances of points, from `first` on, how much nearer than `offset` they come.
     void add_nearer(int first, int count, double* distances) const;
 
-    /// `asked` for the points from `first` on.
-    MeshQuery asked(int first) const;
+    /// `query` for the points from `first` on.
+    MeshQuery query(int first) const;
 
    private:
-    MeshQuery asked_;
+    MeshQuery query_;
   };
 
   /// Keeps the contacts of the last step for a warm start.

@@ -52,7 +52,7 @@ struct ContactStep {
   const Points* detected_at = nullptr;  // positions at the detection; none: start
   double since = h;                     // time since the detection, at the step's end [s]
   double ahead = h;                     // time until the next detection [s]
-  double undetected = 0;                // displacement of points until then, beyond the step's [m]
+  double undetected_move = 0;           // displacement of points until then, beyond the step's [m]
   RigidBodies* bodies = nullptr;        // in this step; none: all colliders are kinematic
 
   void spend(std::int64_t visits) const {

@@ -41,10 +41,10 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks&
                    const LocalCloth& local, double margin, Visit visit) {
   const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
   const double far = margin + edge / std::sqrt(3);  // distance of the nearest corner
-  const double displacement = longest_row(local.to - local.from);
-  const bool fast = displacement > safe_depth(shape);
+  const double max_displacement = longest_row(local.to - local.from);
+  const bool fast = max_displacement > safe_depth(shape);
   for (int b = 0; b < blocks.count(); ++b) {
-    if (blocks.min(b, local.distance) > far + (fast ? displacement : 0)) continue;
+    if (blocks.min(b, local.distance) > far + (fast ? max_displacement : 0)) continue;
     if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
     for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
       const Corners& c = cloth.triangles[t];

@@ -60,9 +60,7 @@ inline double recovery_factor_after(double time) {
 
 /// Speed [m/s] of recovery from a depth in a solid [m]: 0 outside, and too low for a leap where
 /// other constraints have pushed in a point by a fraction of a millimetre.
-inline double way_out_speed(double depth) {
-  return std::min(recovery_speed, depth / recovery_time);
-}
+inline double exit_speed(double depth) { return std::min(recovery_speed, depth / recovery_time); }
 
 /// Distance by which loaded points may sink in from where contact keeps them [m].
 inline constexpr double penetration_slop = surface_offset / 2;

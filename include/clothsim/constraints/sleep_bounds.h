@@ -30,8 +30,8 @@ class MotionBound {
   /// Constraints in the step have moved them to `now`.
   void update(const Points& start, const Points& now);
 
-  /// They have moved on by `way` [m] at most.
-  void add(double displacement) { total_ += displacement; }
+  /// They have moved on by `distance` [m] at most.
+  void add(double distance) { total_ += distance; }
 
   /// The step ends with the points at `now`.
   void end(const Points& now) { seen_ = now; }

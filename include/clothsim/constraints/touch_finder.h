@@ -65,8 +65,8 @@ class TouchFinder {
   Points looked_at_;  // positions at the last detection, until the guard has checked the path from
                       // there [m]; then no rows
   double time_ = 0;   // since then [s]
-  double displacement_ =
-      0;  // displacement of a point since then, relative to the mean of all, at most [m]
+  /// Displacement of a point since then, relative to the mean of all, at most [m].
+  double max_displacement_ = 0;
 };
 
 }  // namespace clothsim

@@ -9,7 +9,7 @@ namespace clothsim {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// N x 3, column-major: all x, then all y, then all z, each contiguous, so that kernels vectorise.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor>;

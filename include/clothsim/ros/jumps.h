@@ -44,7 +44,7 @@ class SpeedLimit {
                         double frame, const std::string& name);
 
  private:
-  /// The share from 0 to 1 of a way [m] that is within the limit.
+  /// The share from 0 to 1 of a distance [m] that is within the limit.
   double share(double distance, double frame, const std::string& name);
 
   double speed_;

@@ -32,7 +32,8 @@ class PoseTrajectory {
   }
 
  private:
-  /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d at s = 1. `first` and `last`:
+  /// s d + s (1 - s) ((1 - s) first - s last): from 0 at s = 0 to d, the displacement, at
+  /// s = 1. `first` and `last`:
   /// differences of the slopes there from d, which may be 0.
   struct Cubic {
     Vector3 displacement{0, 0, 0};

@@ -17,8 +17,7 @@ namespace clothsim {
 /// the function of its name.
 /// - near_surface() is signed_distance() of (x, y, z), with the z of `side`: without branches, for
 ///   the loops that inline it.
-/// - entry() is the share of `displacement` after which entry_point() lies, over 1 where the way is
-/// too
+/// - entry() is the share of `displacement` after which entry_point() lies, over 1 where it is too
 ///   short.
 /// - visit_lines() visits the lines of edges_along() that support the shape along `normal`.
 /// - may_touch() is touches_between_corners() of a box, and of a triangle where one is given.

@@ -23,9 +23,9 @@ struct MeshQuery {
 
 /// Signed distances [m] of `count` points of the world from the surface of a solid at `frame`, and
 /// their normals in the world. `sides`: where the points came from, when the solid was at `before`;
-/// see signed_distance(). `asked`: options for a mesh.
+/// see signed_distance(). `query`: options for a mesh.
 void signed_distances(const Shape&, const Frame& frame, PointRun points, const Frame& before,
-                      PointRun sides, int count, const MeshQuery& asked, double* distances,
+                      PointRun sides, int count, const MeshQuery& query, double* distances,
                       MutablePointRun normals);
 
 }  // namespace clothsim

@@ -9,7 +9,7 @@ namespace clothsim {
 /// Largest displacement in a substep: of a collider, as a share of the shortest spring, and of one
 /// end of a spring relative to the other, as a share of the spring's length. With 0.5 colliders
 /// tear points off, or too much is left to the projection (see docs/experiments.md).
-inline constexpr double way_share = 0.25;
+inline constexpr double motion_share = 0.25;
 
 /// Number of substeps that a method needs for a frame of `dt` [s]: enough for h omega_max <
 /// `stability_limit` (infinity: no bound) at the present stretch and, with a strain limit, enough
