@@ -13,9 +13,8 @@ namespace {
 
 /// x, y, z of a point, and 0.
 using Quad = double __attribute__((vector_size(32), aligned(8), may_alias));
-/// A point's position as a Quad and its velocity as another one: a cache line.
-using Moving = double __attribute__((vector_size(64), may_alias));
-/// Kernels for wide vectors load a whole Moving, though alignof(Moving) is 16 in the baseline.
+/// A point's position and velocity, each as a Quad, in one cache line. Vectors of 64 bytes would be
+/// as fast where registers are as wide, and six times as slow elsewhere.
 struct alignas(64) MovingPoint {
   std::array<double, 8> numbers;
 };
@@ -25,12 +24,9 @@ struct alignas(64) MovingPoint {
 struct Scratch {
   void fit(const TriangleFabric& fabric, bool damped) {
     const std::size_t points = fabric.first_links.size() - 1;
-    if (damped) {
-      grow(points, moving);
-      grow(points, bends);
-    } else {
-      grow(4 * points, positions);
-    }
+    grow(damped ? 0 : 4 * points, positions);
+    grow(damped ? points : 0, moving);
+    grow(damped ? points : 0, bends);
     grow(fabric.edges.size(), squares);
     grow(static_cast<std::size_t>(fabric.no_pull()) + 1, pulls);
     grow(fabric.edges.size(), factors);
@@ -42,14 +38,14 @@ struct Scratch {
 
   /// Without damping, and with it.
   const Quad* x() const { return reinterpret_cast<const Quad*>(positions.data()); }
-  const Moving* xv() const { return reinterpret_cast<const Moving*>(moving.data()); }
-  double* numbers_of_moving() { return reinterpret_cast<double*>(moving.data()); }
-  const double* numbers_of_bends() const { return reinterpret_cast<const double*>(bends.data()); }
+  const Quad* xv() const { return reinterpret_cast<const Quad*>(moving.data()); }
   QuadView x_view(bool damped) const {
-    if (!damped) return {positions.data(), 4};
-    return {reinterpret_cast<const double*>(moving.data()), 8};
+    return damped ? QuadView{numbers(moving), 8} : QuadView{positions.data(), 4};
   }
-  QuadView v_view() const { return {reinterpret_cast<const double*>(moving.data()) + 4, 8}; }
+  QuadView v_view() const { return {numbers(moving) + 4, 8}; }
+  static const double* numbers(const std::vector<MovingPoint>& points) {
+    return reinterpret_cast<const double*>(points.data());
+  }
 
   std::vector<double> positions;    // by point, a Quad each
   std::vector<MovingPoint> moving;  // the same with velocities
@@ -93,9 +89,9 @@ template <bool damped>
   const auto number = static_cast<std::size_t>(e);
   const auto& [a, b] = fabric.edges[number];
   if constexpr (damped) {
-    const Moving change = scratch.xv()[b] - scratch.xv()[a];
-    d = Quad{change[0], change[1], change[2], change[3]};
-    other = d + fabric.edge_damping[number] * Quad{change[4], change[5], change[6], change[7]};
+    const Quad* const xv = scratch.xv();
+    d = xv[2 * b] - xv[2 * a];
+    other = d + fabric.edge_damping[number] * (xv[2 * b + 1] - xv[2 * a + 1]);
   } else {
     d = other = scratch.x()[b] - scratch.x()[a];
   }
@@ -191,47 +187,54 @@ void sum_damped_links(const TriangleFabric& fabric, int begin, int end, Scratch&
   const auto& [others, weights, first] = fabric.bend_links;
   const double* const factors = scratch.factors.data();
   const double* const edge_weights = fabric.edge_weights.data();
-  const Moving* const xv = scratch.xv();
-  Moving* const bends = reinterpret_cast<Moving*>(scratch.bends.data());
+  const Quad* const xv = scratch.xv();
+  Quad* const bends = reinterpret_cast<Quad*>(scratch.bends.data());
   for (int i = begin; i < end; ++i) {
     const auto point = static_cast<std::size_t>(i);
-    const Moving here = xv[i];
-    Quad sum = {};
-    Moving bend = {}, far = {};
+    const Quad x = xv[2 * i], v = xv[2 * i + 1];
+    Quad sum = {}, bend = {}, rate = {}, far = {}, far_rate = {};
     for (auto l = static_cast<std::size_t>(fabric.first_links[point]);
          l < static_cast<std::size_t>(fabric.first_links[point + 1]); ++l) {
       const auto& [j, edge] = fabric.edge_links[l];
-      const Moving d = xv[j] - here;
-      sum += factors[edge] * Quad{d[0], d[1], d[2], d[3]};
+      const Quad d = xv[2 * j] - x;
+      sum += factors[edge] * d;
       bend += edge_weights[edge] * d;
+      rate += edge_weights[edge] * (xv[2 * j + 1] - v);
     }
     for (auto l = static_cast<std::size_t>(first[point]);
          l < static_cast<std::size_t>(first[point + 1]); ++l) {
-      far += weights[l] * (xv[others[l]] - here);
+      const int j = others[l];
+      far += weights[l] * (xv[2 * j] - x);
+      far_rate += weights[l] * (xv[2 * j + 1] - v);
     }
-    sum += Quad{far[0], far[1], far[2], far[3]};
+    sum += far;
     forces.x[i] += sum[0];
     forces.y[i] += sum[1];
     forces.z[i] += sum[2];
-    bends[i] = fabric.internal_damping_at(i)[1] * (bend + far);
+    const double tau = fabric.internal_damping_at(i)[1];
+    bends[2 * i] = tau * (bend + far);
+    bends[2 * i + 1] = tau * (rate + far_rate);
   }
 }
 
 /// Subtracts the moments of the sums of points [begin, end) about point `centre`.
 CLOTHSIM_TARGET_CLONES
 void subtract_moments(const Scratch& scratch, int centre, int begin, int end, BendMotion& motion) {
-  const Moving* const xv = scratch.xv();
-  const Moving* const bends = reinterpret_cast<const Moving*>(scratch.bends.data());
-  const Moving origin = xv[centre];
-  Moving sums[3] = {};  // of arm's components times those of bends and of rates
+  const Quad* const xv = scratch.xv();
+  const Quad* const bends = reinterpret_cast<const Quad*>(scratch.bends.data());
+  const Quad origin = xv[2 * centre];
+  Quad of_bends[3] = {}, of_rates[3] = {};  // times the components of the arm
   for (int i = begin; i < end; ++i) {
-    const Moving arm = xv[i] - origin;
-    for (int axis = 0; axis < 3; ++axis) sums[axis] += arm[axis] * bends[i];
+    const Quad arm = xv[2 * i] - origin;
+    for (int axis = 0; axis < 3; ++axis) {
+      of_bends[axis] += arm[axis] * bends[2 * i];
+      of_rates[axis] += arm[axis] * bends[2 * i + 1];
+    }
   }
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
-    for (int axis = 0; axis < 3; ++axis) motion.squares(a, axis) -= sums[a][axis];
-    motion.moment[a] -= sums[b][4 + c] - sums[c][4 + b];
+    for (int axis = 0; axis < 3; ++axis) motion.squares(a, axis) -= of_bends[a][axis];
+    motion.moment[a] -= of_rates[b][c] - of_rates[c][b];
   }
 }
 
@@ -263,7 +266,7 @@ CLOTHSIM_TARGET_CLONES
 void add_relative_rates(const TriangleFabric& fabric, const Scratch& scratch,
                         const Vector3* rotations, int begin, int end, MutablePointRun forces) {
   const int* const pieces = fabric.piece_ids.data();
-  const double* const sums = scratch.numbers_of_bends();
+  const double* const sums = Scratch::numbers(scratch.bends);
 #pragma GCC ivdep
   for (int i = begin; i < end; ++i) {
     const double* const omega = rotations[pieces[i]].data();
@@ -298,7 +301,7 @@ void compute_triangle_forces(const Cloth& cloth, const Loads& loads, const Point
       interleave(count, run_from(positions, begin), 4, scratch.positions.data() + 4 * begin);
       return;
     }
-    double* const numbers = scratch.numbers_of_moving() + 8 * begin;
+    double* const numbers = reinterpret_cast<double*>(scratch.moving.data()) + 8 * begin;
     interleave(count, run_from(positions, begin), 8, numbers);
     interleave(count, run_from(*velocities, begin), 8, numbers + 4);
   });
