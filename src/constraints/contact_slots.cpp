@@ -157,9 +157,9 @@ void warm_start_blocks(const std::vector<int>& blocks, int points, double scale,
   return cx * cx + cy * cy + cz * cz;
 }
 
-/// Bits of eight numbers, see Lanes: the difference of all is faster to gather than a comparison of
-/// each.
-using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias));
+/// Bits of half of a block's numbers: the difference of all is faster to gather than a comparison
+/// of each.
+using Bits = std::uint64_t __attribute__((vector_size(32), aligned(8), may_alias));
 [[gnu::always_inline]] inline const Bits& bits(const double* numbers) {
   return *reinterpret_cast<const Bits*>(numbers);
 }
@@ -168,10 +168,13 @@ using Bits = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias
 /// far, by lane.
 [[gnu::always_inline]] inline void update_block(Block& s, double friction, const MutablePointRun& v,
                                                 double* largest) {
-  const Bits differ =
-      (bits(v.x) ^ bits(s.left.x)) | (bits(v.y) ^ bits(s.left.y)) | (bits(v.z) ^ bits(s.left.z));
+  Bits differ = {};
+  for (int i = 0; i < block_size; i += half_size) {
+    differ |= (bits(v.x + i) ^ bits(s.left.x + i)) | (bits(v.y + i) ^ bits(s.left.y + i)) |
+              (bits(v.z + i) ^ bits(s.left.z + i));
+  }
   std::uint64_t changed = 0;
-  for (int i = 0; i < block_size; ++i) changed |= differ[i];
+  for (int i = 0; i < half_size; ++i) changed |= differ[i];
   if (changed == 0) return;
 #pragma GCC ivdep
   for (int i = 0; i < block_size; ++i) {

@@ -279,17 +279,21 @@ bool any_longer(const FourSprings* springs, const double* longest, std::size_t f
 CLOTHSIM_TARGET_CLONES
 std::uint64_t longer_bits(const double* x, const double* y, const double* z, int offset, int count,
                           double longest2) {
-  using Words = std::uint64_t __attribute__((vector_size(sizeof(Lanes))));
-  Words bits = {}, place = {1, 2, 4, 8, 16, 32, 64, 128};
+  using Words = std::uint64_t __attribute__((vector_size(sizeof(Half))));
+  Words bits[2] = {}, places[2] = {{1, 2, 4, 8}, {16, 32, 64, 128}};
   int i = 0;
-  for (; i + num_lanes <= count; i += num_lanes, place <<= num_lanes) {
-    const Lanes dx = lanes_at(x + i + offset) - lanes_at(x + i);
-    const Lanes dy = lanes_at(y + i + offset) - lanes_at(y + i);
-    const Lanes dz = lanes_at(z + i + offset) - lanes_at(z + i);
-    bits |= dx * dx + dy * dy + dz * dz > longest2 ? place : Words{};
+  for (; i + num_lanes <= count; i += num_lanes) {
+    for (int half = 0; half < 2; ++half) {
+      const int k = i + half * half_size;
+      const Half dx = half_at(x + k + offset) - half_at(x + k);
+      const Half dy = half_at(y + k + offset) - half_at(y + k);
+      const Half dz = half_at(z + k + offset) - half_at(z + k);
+      bits[half] |= dx * dx + dy * dy + dz * dz > longest2 ? places[half] : Words{};
+      places[half] <<= num_lanes;
+    }
   }
-  std::uint64_t all = 0;
-  for (int lane = 0; lane < num_lanes; ++lane) all |= bits[lane];
+  const Words both = bits[0] | bits[1];
+  std::uint64_t all = both[0] | both[1] | both[2] | both[3];
   for (; i < count; ++i) {
     const double dx = x[i + offset] - x[i];
     const double dy = y[i + offset] - y[i];

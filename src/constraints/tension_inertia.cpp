@@ -59,11 +59,13 @@ void add_inertia(int count, double time2, const double* mass, const double* with
 
 CLOTHSIM_TARGET_CLONES
 double total(int count, const double* numbers) {
-  Lanes sums = {};
+  Half sums[2] = {};
   int i = 0;
-  for (; i + num_lanes <= count; i += num_lanes) sums += lanes_at(numbers + i);
+  for (; i + num_lanes <= count; i += num_lanes) {
+    for (int half = 0; half < 2; ++half) sums[half] += half_at(numbers + i + half * half_size);
+  }
   double sum = 0;
-  for (int lane = 0; lane < num_lanes; ++lane) sum += sums[lane];
+  add_lanes(sums, sum);
   for (; i < count; ++i) sum += numbers[i];
   return sum;
 }
@@ -75,14 +77,17 @@ void scale(int count, double factor, double* numbers) {
 
 CLOTHSIM_TARGET_CLONES
 double largest_ratio(int count, const double* numbers, const double* divisors) {
-  Lanes largest = {};
+  Half largest[2] = {};
   int i = 0;
   for (; i + num_lanes <= count; i += num_lanes) {
-    const Lanes ratio = lanes_at(numbers + i) / lanes_at(divisors + i);
-    largest = ratio > largest ? ratio : largest;
+    for (int half = 0; half < 2; ++half) {
+      const int k = i + half * half_size;
+      const Half ratio = half_at(numbers + k) / half_at(divisors + k);
+      largest[half] = ratio > largest[half] ? ratio : largest[half];
+    }
   }
   double result = 0;
-  for (int lane = 0; lane < num_lanes; ++lane) result = std::max(result, largest[lane]);
+  take_largest(largest, result);
   for (; i < count; ++i) result = std::max(result, numbers[i] / divisors[i]);
   return result;
 }

@@ -22,8 +22,8 @@ constexpr int points_in_sum = 1024;
 enum { num_sums = 10 };
 using Sums = std::array<double, num_sums>;
 
-/// Eight numbers in registers, unlike Lanes without attributes that templates would drop.
-using Eight = double __attribute__((vector_size(64)));
+/// Four numbers in registers, unlike Half without attributes that templates would drop.
+using Four = double __attribute__((vector_size(32)));
 
 template <typename Number>
 [[gnu::always_inline]] inline void load(const double* from, Number& number) {
@@ -72,12 +72,17 @@ template <typename Number>
 CLOTHSIM_TARGET_CLONES
 void sum_stencils(const BendBand& band, const double* stiffness, int count, PointRun p, PointRun v,
                   Sums& total) {
-  Eight sums[num_sums] = {};
+  Four sums[2][num_sums] = {};
   int i = 0;
-  for (; i + num_lanes <= count; i += num_lanes) add_stencils(i, band, stiffness, p, v, sums);
+  for (; i + num_lanes <= count; i += num_lanes) {
+    add_stencils(i, band, stiffness, p, v, sums[0]);
+    add_stencils(i + half_size, band, stiffness, p, v, sums[1]);
+  }
   for (; i < count; ++i) add_stencils(i, band, stiffness, p, v, total.data());
   for (std::size_t k = 0; k < num_sums; ++k) {
-    for (int lane = 0; lane < num_lanes; ++lane) total[k] += sums[k][lane];
+    for (int half = 0; half < 2; ++half) {
+      for (int lane = 0; lane < half_size; ++lane) total[k] += sums[half][k][lane];
+    }
   }
 }
 

@@ -15,20 +15,21 @@ namespace {
 CLOTHSIM_TARGET_CLONES
 double mass_by_speed2(const double* mass, const double* inv_mass, const double* x, const double* y,
                       const double* z, int count) {
-  Lanes sums = {};
+  Half sums[2] = {};
   int i = 0;
   for (; i + num_lanes <= count; i += num_lanes) {
-    const Lanes& vx = lanes_at(x + i);
-    const Lanes& vy = lanes_at(y + i);
-    const Lanes& vz = lanes_at(z + i);
-    const Lanes energy = lanes_at(mass + i) * (vx * vx + vy * vy + vz * vz);
-    sums += lanes_at(inv_mass + i) > 0 ? energy : Lanes{};
+    for (int half = 0; half < 2; ++half) {
+      const int k = i + half * half_size;
+      const Half &vx = half_at(x + k), &vy = half_at(y + k), &vz = half_at(z + k);
+      const Half energy = half_at(mass + k) * (vx * vx + vy * vy + vz * vz);
+      sums[half] += half_at(inv_mass + k) > 0 ? energy : Half{};
+    }
   }
   double sum = 0;
   for (; i < count; ++i) {
     if (inv_mass[i] > 0) sum += mass[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
   }
-  for (int lane = 0; lane < num_lanes; ++lane) sum += sums[lane];
+  add_lanes(sums, sum);
   return sum;
 }
 

@@ -199,7 +199,7 @@ template <typename Real>
 }
 
 /// Bytes in a cache line. Stores that begin at one are twice as fast as those across two.
-constexpr std::size_t line = sizeof(Lanes);
+constexpr std::size_t line = 64;
 
 template <typename Real>
 int padded(int count) {

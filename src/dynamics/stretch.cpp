@@ -24,20 +24,21 @@ void square_lengths(const double* x, const double* y, const double* z, int offse
 
 CLOTHSIM_TARGET_CLONES
 double largest_of(const double* values, int count) {
-  Lanes even = {};  // two, since a maximum takes longer than a load
-  Lanes odd = {};
+  Half even[2] = {};  // two, since a maximum takes longer than a load
+  Half odd[2] = {};
   int i = 0;
   for (; i + 2 * num_lanes <= count; i += 2 * num_lanes) {
-    const Lanes& a = lanes_at(values + i);
-    const Lanes& b = lanes_at(values + i + num_lanes);
-    even = a > even ? a : even;
-    odd = b > odd ? b : odd;
+    for (int half = 0; half < 2; ++half) {
+      const Half& a = half_at(values + i + half * half_size);
+      const Half& b = half_at(values + i + num_lanes + half * half_size);
+      even[half] = a > even[half] ? a : even[half];
+      odd[half] = b > odd[half] ? b : odd[half];
+    }
   }
   double largest = 0;
   for (; i < count; ++i) largest = std::max(largest, values[i]);
-  for (int lane = 0; lane < num_lanes; ++lane) {
-    largest = std::max({largest, even[lane], odd[lane]});
-  }
+  take_largest(even, largest);
+  take_largest(odd, largest);
   return largest;
 }
 

@@ -12,23 +12,26 @@ namespace {
 /// Square of the longest vector from a point of `from` to the same point of `to`, less `common`.
 /// `count`: points, and the distance between columns. `from` null: the origin.
 CLOTHSIM_TARGET_CLONES
-double longest_way2(int count, const double* from, const double* to, const double* common) {
-  Lanes lanes = {};
+double longest_squared(int count, const double* from, const double* to, const double* common) {
+  Half lanes[2] = {};
   int i = 0;
   const double *const y = to + count, *const z = y + count;
   for (; i + num_lanes <= count; i += num_lanes) {
-    Lanes dx = lanes_at(to + i) - common[0], dy = lanes_at(y + i) - common[1];
-    Lanes dz = lanes_at(z + i) - common[2];
-    if (from) {
-      dx -= lanes_at(from + i);
-      dy -= lanes_at(from + count + i);
-      dz -= lanes_at(from + 2 * count + i);
+    for (int half = 0; half < 2; ++half) {
+      const int k = i + half * half_size;
+      Half dx = half_at(to + k) - common[0], dy = half_at(y + k) - common[1];
+      Half dz = half_at(z + k) - common[2];
+      if (from) {
+        dx -= half_at(from + k);
+        dy -= half_at(from + count + k);
+        dz -= half_at(from + 2 * count + k);
+      }
+      const Half length2 = dx * dx + dy * dy + dz * dz;
+      lanes[half] = length2 > lanes[half] ? length2 : lanes[half];
     }
-    const Lanes way2 = dx * dx + dy * dy + dz * dz;
-    lanes = way2 > lanes ? way2 : lanes;
   }
   double longest = 0;
-  for (int lane = 0; lane < num_lanes; ++lane) longest = std::max(longest, lanes[lane]);
+  take_largest(lanes, longest);
   for (; i < count; ++i) {
     const double dx = to[i] - common[0] - (from ? from[i] : 0);
     const double dy = y[i] - common[1] - (from ? from[count + i] : 0);
@@ -39,7 +42,7 @@ double longest_way2(int count, const double* from, const double* to, const doubl
 }
 
 double longest(const double* from, const Points& to, const Vector3& common) {
-  return std::sqrt(longest_way2(static_cast<int>(to.rows()), from, to.data(), common.data()));
+  return std::sqrt(longest_squared(static_cast<int>(to.rows()), from, to.data(), common.data()));
 }
 
 /// The mean; zero for no vectors.

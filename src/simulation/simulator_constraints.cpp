@@ -43,19 +43,19 @@ constexpr double folding_precision = 4;
 /// Mean square deviation of `count` numbers from their mean.
 CLOTHSIM_TARGET_CLONES
 double variance(int count, const double* numbers) {
-  Lanes sum = {}, squares = {};
+  Half sums[2] = {}, squares[2] = {};
   const double middle = numbers[0];  // near the mean, to preserve digits
   int i = 0;
   for (; i + num_lanes <= count; i += num_lanes) {
-    const Lanes x = lanes_at(numbers + i) - middle;
-    sum += x;
-    squares += x * x;
+    for (int half = 0; half < 2; ++half) {
+      const Half x = half_at(numbers + i + half * half_size) - middle;
+      sums[half] += x;
+      squares[half] += x * x;
+    }
   }
   double all = 0, all_squares = 0;
-  for (int lane = 0; lane < num_lanes; ++lane) {
-    all += sum[lane];
-    all_squares += squares[lane];
-  }
+  add_lanes(sums, all);
+  add_lanes(squares, all_squares);
   for (; i < count; ++i) {
     all += numbers[i] - middle;
     all_squares += (numbers[i] - middle) * (numbers[i] - middle);
