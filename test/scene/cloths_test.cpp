@@ -243,7 +243,9 @@ TEST(Cloths, LeaveAColliderTurnedOnInsideAsTheyWouldAlone) {
     };
     const double alone = fastest(0);
     EXPECT_GT(alone, 0.1);
-    EXPECT_NEAR(fastest(0.01), alone, 0.02 * alone) << peg;
+    // At eight places of each peg up to 6 % apart, as the motion is chaotic; with the clearance of
+    // the thick one points would leave at 9 to 17 m/s, not at 0.2 and 1.4.
+    EXPECT_NEAR(fastest(0.01), alone, 0.1 * alone) << peg;
   }
 }
 
