@@ -2,10 +2,10 @@
 
 namespace clothsim {
 
-/// Loops over points take eight at once: for sums and maxima, which a compiler that keeps the order
-/// of operations does not vectorise, as two vectors of four numbers at any address. The lanes are
-/// independent, so the result is the same on every vector unit. Vectors of eight are no faster with
-/// AVX-512, and ten times as slow with AVX2, as GCC keeps them in memory.
+/// Sums and maxima, which a compiler that keeps the order of operations does not vectorise, take
+/// eight numbers at once, at any address, as two vectors of four. The lanes are independent, so the
+/// result is the same on every vector unit. Vectors of eight are no faster with AVX-512, and ten
+/// times as slow with AVX2, as GCC keeps them in memory.
 constexpr int num_lanes = 8;
 constexpr int half_size = 4;
 using Half = double __attribute__((vector_size(32), aligned(8), may_alias));

@@ -56,11 +56,11 @@ class NearestDistances {
   }
   /// For a point and a triangle [m].
   double of_tracked(int point, int triangle) const;
-  /// Of two patches p <= q, by pair of their tiles, as in TileShapes::Near.
+  /// Distances between the tiles of two patches p <= q, by pair of tiles as in TileShapes::Near:
+  /// at least the largest, over the features that count [m], and numbers for of_tiles().
   struct OfPatches {
-    TileShapes::PairValues max;  // at least the largest, over the features that count [m]
-    std::array<int, TileShapes::tiles * TileShapes::tiles>
-        numbers;  // of their tiles, for of_tiles()
+    TileShapes::PairValues max;
+    std::array<int, TileShapes::tiles * TileShapes::tiles> numbers;
   };
   const OfPatches& of_patches(int p, int q) const {
     return of_patches_[number(patch_offsets_, p, q)];
