@@ -80,6 +80,28 @@ void on_a_mesh(benchmark::State& run) {
   for (auto _ : run) run.counters["of a sphere"] = ratio(scene, sphere, 5);
 }
 
+/// A fabric that falls on a ball of triangles with bumps, over the same on a smooth one.
+void on_bumps(benchmark::State& run) {
+  constexpr const char* fabric = R"(
+cloth: {width: 1.6, height: 0.8, columns: 65, rows: 33, density: 0.3, stretch_stiffness: 1000, shear_stiffness: 50,
+        bending_stiffness: 2.0e-5, internal_damping: [2.0e-5, 5.0e-3], thickness: 0.004, origin: [-0.8, -0.4, 0.65]}
+colliders:
+  - {name: ball, shape: sphere, radius: 0.25, center: [0, 0, 0.3], friction: 0.4}
+  - {name: floor, shape: plane, friction: 0.5}
+)";
+  const int rings = 18;
+  const double radius = 0.25, height = static_cast<double>(run.range(0)) / 100;
+  TriangleSoup soup = ball(rings, radius);
+  for (Vector3& p : soup.vertices) {
+    p *= 1 + height * std::sin(5 * p.x() / radius) * std::cos(4 * p.y() / radius);
+  }
+  Scene smooth = read_scene(YAML::Load(fabric)), bumpy = smooth;
+  smooth.colliders[0].shape = ball_mesh(rings, radius);
+  bumpy.colliders[0].shape =
+      MeshShape{std::make_shared<const MeshFile>(MeshFile{Solid(soup), "", {}}), 0};
+  for (auto _ : run) run.counters["of a smooth one"] = ratio(bumpy, smooth, 3);
+}
+
 /// Building a solid from its triangles.
 void make_solid(benchmark::State& run) {
   const TriangleSoup soup = ball(static_cast<int>(run.range(0)), 0.1);
@@ -89,6 +111,7 @@ void make_solid(benchmark::State& run) {
 
 BENCHMARK(out_of_reach)->Arg(1)->Arg(60)->Iterations(1);
 BENCHMARK(on_a_mesh)->Arg(22)->Arg(158)->Iterations(1);
+BENCHMARK(on_bumps)->Arg(1)->Arg(3)->Arg(6)->Iterations(1);
 BENCHMARK(make_solid)->Arg(22)->Arg(158)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace

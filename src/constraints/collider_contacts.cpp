@@ -87,7 +87,7 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
 
   if (!s.slots.fits(cloth)) s.slots.reset(cloth);
   if (s.has_faces) {
-    local_.place(collider, step.start, state.positions);
+    local_.place(collider, cloth, step.start, state.positions, s.mesh);
     local_.place_middle(collider, step, state.positions);
   }
   s.friction = collider.friction();
@@ -147,8 +147,7 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     }
     if (!s.has_faces) continue;
     Penetration penetration{static_cast<int>(k), {}, {}};
-    local_.place_points(colliders[k], step.start, state.positions);
-    local_.place_middle(colliders[k], step, state.positions);
+    local_.place_points(faces_.near_points(k), colliders[k], step, state.positions, s.mesh);
     const double in_step = step.h * speed + s.moved;
     faces_.find_again({penetration.collider, colliders[k], cloth, step, in_step + s.keeps, s.within,
                        motion_bound_.total() + s.sleep_bounds.moved(), in_step, local_, state,
@@ -180,8 +179,8 @@ void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies*
 MeshQuery ColliderContacts::ColliderCache::query(const MovingCollider& collider, const Cloth& cloth,
                                                  double distance) {
   if (!std::holds_alternative<MeshShape>(collider.shape())) return {};
-  neighbourhoods.resize(static_cast<std::size_t>(cloth.num_points()));
-  return {distance, neighbourhoods.data()};
+  mesh.points.resize(static_cast<std::size_t>(cloth.num_points()));
+  return {distance, mesh.points.data()};
 }
 
 void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,

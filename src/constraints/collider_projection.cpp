@@ -117,9 +117,10 @@ double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& c
     std::transform(held.begin(), held.end(), s.leaves.begin(), held.begin(),
                    [](char a, char b) { return a | b; });
   }
-  local_.place(collider, start, positions);
+  local_.place(collider, cloth, start, positions, s.mesh);
   std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-  faces_.project_positions(collider, cloth, recovery_factor_ * h_, held, local_, moved);
+  const auto number = static_cast<int>(&s - caches_.data());
+  faces_.project_positions(number, collider, cloth, recovery_factor_ * h_, held, local_, moved);
   double longest = 0;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!moved[static_cast<std::size_t>(i)]) continue;

@@ -239,7 +239,7 @@ void ColliderContacts::escape(const Penetration& penetration, const MovingCollid
       s.leaves[static_cast<std::size_t>(i)] = 1;
     }
   }
-  local_.place(collider, step.start, positions);
+  local_.place(collider, cloth, step.start, positions, s.mesh);
   s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   s.is_close = true;
 

@@ -41,19 +41,21 @@ double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
 
 std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
                                                  const Corners& corners, const Triangle& t,
-                                                 double margin) {
-  std::optional<FaceDistance> distance = face_distance(shape, t, margin);
+                                                 double margin, const FaceQuery& query) {
+  std::optional<FaceDistance> distance = face_distance(shape, t, margin, query);
   if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
   return distance;
 }
 
-FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const Corners& corners,
+FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::size_t triangle,
                       const LocalCloth& local, double margin) {
   const Shape& shape = collider.shape();
+  const Corners& corners = cloth.triangles[triangle];
+  const FaceQuery query = local.query(triangle, corners);
   const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
   const double keeps = cloth.offset_at(corners[0]);
   FaceApproach result;
-  result.distance = distance_with_leeway(shape, cloth, corners, to, margin);
+  result.distance = distance_with_leeway(shape, cloth, corners, to, margin, query);
 
   const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
                     is_fast(shape, to[2] - from[2]);
@@ -61,7 +63,7 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, const 
   if (!inside && !fast) return result;
 
   // It may have been in the solid before, or have passed through it.
-  const auto before = distance_with_leeway(shape, cloth, corners, from, 0);
+  const auto before = distance_with_leeway(shape, cloth, corners, from, 0, query);
   if (before && before->value < 0) {
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {

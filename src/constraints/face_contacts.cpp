@@ -35,25 +35,57 @@ std::optional<FaceContacts::Feature> FaceContacts::feature_of(const CornerWeight
   return w[2] == 0 ? first_edge : (w[0] == 0 ? second_edge : third_edge);
 }
 
+FaceContacts::AtCollider& FaceContacts::at_collider(int number, const Cloth& cloth) {
+  if (!blocks_.fits(cloth)) blocks_.reset(cloth);
+  at_.resize(std::max(at_.size(), static_cast<std::size_t>(number) + 1));
+  AtCollider& result = at_[static_cast<std::size_t>(number)];
+  result.measured.resize(cloth.triangles.size());
+  return result;
+}
+
+double FaceContacts::distance_of(const ColliderQuery& at, const MeasuredTriangle& measured,
+                                 const Corners& corners) {
+  if (at.local.longest > safe_depth(at.collider.shape())) return -infinity;  // it may be through
+  return measured.distance_at(clothsim::triangle_of(at.local.middle, corners)) -
+         to_middle(at.local, corners);
+}
+
 void FaceContacts::find(const ColliderQuery& at) {
-  if (!blocks_.fits(at.cloth)) blocks_.reset(at.cloth);
+  AtCollider& of = at_collider(at.number, at.cloth);
   ContactList::Last last(list_, key_of(at.number, 0, 0));
-  near_.resize(std::max(near_.size(), static_cast<std::size_t>(at.number) + 1));
-  std::vector<NearTriangle>& near = near_[static_cast<std::size_t>(at.number)];
-  near.clear();
-  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.reach,
-                [&](int triangle, const Corners&) {
-                  near.emplace_back().triangle = triangle;
-                  look_at(at, near.back(), last);
-                  if (near.back().distance >= at.reach) near.pop_back();
-                });
+  of.near.clear();
+  const auto look = [&](int triangle, const Corners& corners) {
+    MeasuredTriangle& measured = of.measured[static_cast<std::size_t>(triangle)];
+    NearTriangle near;
+    near.triangle = triangle;
+    near.distance = distance_of(at, measured, corners);
+    near.reached_at = at.travelled + near.distance;
+    if (near.distance <= at.margin) look_at(at, near, measured, last);
+    if (near.distance < at.reach) of.near.push_back(near);
+  };
+  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, of.measured, at.reach, look);
+
+  std::vector<char> is_near(static_cast<std::size_t>(at.cloth.num_points()), 0);
+  for (const NearTriangle& near : of.near) {
+    for (const int i : at.cloth.triangles[static_cast<std::size_t>(near.triangle)]) {
+      is_near[static_cast<std::size_t>(i)] = 1;
+    }
+  }
+  of.points.clear();
+  for (int i = 0; i < at.cloth.num_points(); ++i) {
+    if (is_near[static_cast<std::size_t>(i)]) of.points.push_back(i);
+  }
 }
 
 void FaceContacts::find_again(const ColliderQuery& at) {
   ContactList::Last last(list_, key_of(at.number, 0, 0));
-  for (NearTriangle& near : near_[static_cast<std::size_t>(at.number)]) {
+  AtCollider& of = at_[static_cast<std::size_t>(at.number)];
+  for (NearTriangle& near : of.near) {
     if (near.reached_at > at.travelled + 2 * at.in_step + at.margin) continue;
-    if (!follow(at, near, last)) look_at(at, near, last);
+    const auto triangle = static_cast<std::size_t>(near.triangle);
+    if (follow(at, near, last)) continue;
+    if (distance_of(at, of.measured[triangle], at.cloth.triangles[triangle]) > at.margin) continue;
+    look_at(at, near, of.measured[triangle], last);
   }
 }
 
@@ -81,32 +113,33 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
   return true;
 }
 
-void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, ContactList::Last& last) {
+void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, MeasuredTriangle& measured,
+                           ContactList::Last& last) {
   const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
                penetrating_faces] = at;
   const Shape& shape = collider.shape();
-  const Corners& corners = cloth.triangles[static_cast<std::size_t>(near.triangle)];
+  const auto triangle = static_cast<std::size_t>(near.triangle);
+  const Corners& corners = cloth.triangles[triangle];
   // The triangle as it lies where impulses act, unless it is to be stopped or led out.
   near.corners = clothsim::triangle_of(local.middle, corners);
   near.touching = {};
   near.is_beside = false;
-  FaceApproach found;
-  found.distance = face_distance(shape, near.corners, reach);
+  FaceApproach found{face_distance(shape, near.corners, reach, local.query(triangle, corners))};
   near.distance = found.distance ? found.distance->value : reach;
   near.reached_at = travelled + near.distance;
-  const bool is_far = near.distance > margin;
+  measured = {near.corners, near.distance};
   if (found.distance) {
     found.distance->value += leeway(cloth, corners, near.corners, found.distance->weights);
   }
   const bool may_be_inside = local.longest > safe_depth(shape) ||
                              (found.distance && found.distance->value < to_middle(local, corners));
   if (may_be_inside) {
-    const FaceApproach at_end = approach(collider, cloth, corners, local, margin);
+    const FaceApproach at_end = approach(collider, cloth, triangle, local, margin);
     if (!at_end.distance) return;
     if (at_end.swept || at_end.before < 0) found = at_end;
   }
   const bool alone = found.swept || found.before < 0;
-  if (!found.distance || (is_far && !alone)) return;
+  if (!found.distance || (near.distance > margin && !alone)) return;
   near.is_beside = !may_be_inside;
 
   // Corners are left to the contacts of their points, unless they are to be led out.
@@ -258,10 +291,10 @@ double FaceContacts::solve_pass(RigidBodies* bodies, Points& velocities) {
   return largest;
 }
 
-void FaceContacts::project_positions(const MovingCollider& collider, const Cloth& cloth, double h,
-                                     const std::vector<char>& held, LocalCloth& local,
+void FaceContacts::project_positions(int number, const MovingCollider& collider, const Cloth& cloth,
+                                     double h, const std::vector<char>& held, LocalCloth& local,
                                      std::vector<char>& moved) {
-  if (!blocks_.fits(cloth)) blocks_.reset(cloth);
+  const AtCollider& of = at_collider(number, cloth);
   const auto any_of = [](const auto& marks, const Corners& c, int mark) {
     return std::any_of(c.begin(), c.end(),
                        [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
@@ -269,12 +302,13 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
   std::vector<int> last_move(static_cast<std::size_t>(cloth.num_points()), 0);  // by pass
   for (int pass = 1; pass <= max_conflict_passes; ++pass) {
     bool again = false;
-    const auto move_out = [&](int, const Corners& corners) {
+    const auto move_out = [&](int triangle, const Corners& corners) {
       // All in the first pass, then those with a corner that has just moved.
       if (!any_of(last_move, corners, pass - 1)) return;
       if (!held.empty() && any_of(held, corners, 1)) return;
       const double keeps = cloth.offset_at(corners[0]);
-      const FaceApproach found = approach(collider, cloth, corners, local, keeps);
+      const FaceApproach found =
+          approach(collider, cloth, static_cast<std::size_t>(triangle), local, keeps);
       if (!found.distance) return;
       const double now = found.distance->value;
       const std::array<double, 3>& weights = found.distance->weights;
@@ -297,7 +331,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
       }
       again = again || must;
     };
-    for_each_near(collider.shape(), cloth, blocks_, local, cloth.offset, move_out);
+    for_each_near(collider.shape(), cloth, blocks_, local, of.measured, cloth.offset, move_out);
     if (!again) break;
   }
 }
@@ -305,7 +339,7 @@ void FaceContacts::project_positions(const MovingCollider& collider, const Cloth
 void FaceContacts::reset() {
   list_.reset();
   places_.clear();
-  near_.clear();
+  at_.clear();
 }
 
 }  // namespace clothsim

@@ -24,20 +24,25 @@ void move_into(const Pose& pose, const Points& points, Points& local) {
 
 }  // namespace
 
-void LocalCloth::place(const MovingCollider& collider, const Points& start, const Points& end) {
-  place_points(collider, start, end);
+void MeshMemory::fit(const MovingCollider& collider, const Cloth& cloth) {
+  const bool is_mesh = std::holds_alternative<MeshShape>(collider.shape());
+  points.resize(is_mesh ? static_cast<std::size_t>(cloth.num_points()) : 0);
+  triangles.resize(is_mesh ? cloth.triangles.size() : 0);
+}
+
+void LocalCloth::place(const MovingCollider& collider, const Cloth& cloth, const Points& start,
+                       const Points& end, MeshMemory& memory) {
+  mesh = &memory;
+  mesh->fit(collider, cloth);
+  move_into(collider.previous(), start, from);
+  move_into(collider.pose(), end, to);
+  longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
   distance.resize(to.rows());
   Points normals(to.rows(), 3);
   signed_distances(collider.shape(), Frame(collider.pose()), run_from(end, 0),
                    Frame(collider.previous()), run_from(start, 0), static_cast<int>(to.rows()),
-                   {2 * surface_offset}, distance.data(), run_from(normals, 0));
-}
-
-void LocalCloth::place_points(const MovingCollider& collider, const Points& start,
-                              const Points& end) {
-  move_into(collider.previous(), start, from);
-  move_into(collider.pose(), end, to);
-  longest = longest_row(to - from) + collider.last_turn() * longest_row(to);
+                   {2 * surface_offset, mesh->points.data()}, distance.data(),
+                   run_from(normals, 0));
 }
 
 void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep& step,
@@ -45,6 +50,34 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
   const Eigen::Matrix3d turn = collider.pose().orientation.toRotationMatrix();
   middle = step.drifted - collider.velocities_at(end);
   middle = to - step.displacement_factor * step.h * middle * turn;
+}
+
+void LocalCloth::place_points(const std::vector<int>& points, const MovingCollider& collider,
+                              const ContactStep& step, const Points& end, MeshMemory& memory) {
+  mesh = &memory;
+  const Frame before(collider.previous()), now(collider.pose());
+  double longest2 = 0, farthest2 = 0;
+  for (const int i : points) {
+    const Vector3 x = row(end, i), drift = row(step.drifted, i) - collider.velocity_at(x);
+    const Vector3 start = before.turn.transpose() * (row(step.start, i) - before.origin);
+    const Vector3 at_end = now.turn.transpose() * (x - now.origin);
+    const Vector3 to_middle = step.displacement_factor * step.h * (now.turn.transpose() * drift);
+    from.row(i) = start;
+    to.row(i) = at_end;
+    middle.row(i) = at_end - to_middle;
+    longest2 = std::max(longest2, (at_end - start).squaredNorm());
+    farthest2 = std::max(farthest2, at_end.squaredNorm());
+  }
+  longest = std::sqrt(longest2) + collider.last_turn() * std::sqrt(farthest2);
+}
+
+FaceQuery LocalCloth::query(std::size_t triangle, const Corners& corners) const {
+  if (mesh->triangles.empty()) return {};
+  FaceQuery result{&mesh->triangles[triangle]};
+  for (std::size_t k = 0; k < 3; ++k) {
+    result.neighbourhoods[k] = &mesh->points[static_cast<std::size_t>(corners[k])];
+  }
+  return result;
 }
 
 double longest_edge_within_limit(const Cloth& cloth, double stretch) {

@@ -27,7 +27,11 @@ std::array<std::optional<FaceDistance>, 3> edges_along(const Shape& shape, const
   return found;
 }
 
-bool touches_between_corners(const Shape& shape, const Triangle& t, double reach) {
+bool touches_between_corners(const Shape& shape, const Triangle& t, double reach,
+                             const FaceQuery& query) {
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
+    return mesh->may_touch(box_of(t), &t, reach, query);
+  }
   return std::visit([&](const auto& s) { return s.may_touch(box_of(t), &t, reach); }, shape);
 }
 
@@ -35,7 +39,11 @@ bool touches_between_corners(const Shape& shape, const Box& box, double reach) {
   return std::visit([&](const auto& s) { return s.may_touch(box, nullptr, reach); }, shape);
 }
 
-std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& t, double reach) {
+std::optional<FaceDistance> face_distance(const Shape& shape, const Triangle& t, double reach,
+                                          const FaceQuery& query) {
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
+    return mesh->face_distance(t, reach, query);
+  }
   return std::visit([&](const auto& s) { return s.face_distance(t, reach); }, shape);
 }
 

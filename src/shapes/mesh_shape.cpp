@@ -3,49 +3,66 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/shapes/face_distance.h"
 #include "clothsim/shapes/mesh_file.h"
 #include "shape_parts.h"
 
 namespace clothsim {
 namespace {
 
+/// A feature of a triangle and a solid: a corner of the triangle, a ridge or a face of the solid.
+/// Of two at the same distance the first counts, so that no result depends on the order of the
+/// search.
+struct Feature {
+  enum Kind { corner, ridge, face };
+  Kind kind = corner;
+  int number = 0;  // of the ridge or the face
+
+  bool is_before(const Feature& other) const {
+    return std::pair(kind, number) < std::pair(other.kind, other.number);
+  }
+};
+
 /// Where two features are closest, and on which side of the solid's surface. The nearest pair of a
 /// triangle and a solid is a corner of the one and a face of the other, or two edges.
 class ClosestFeatures {
  public:
-  explicit ClosestFeatures(const Triangle& t) : t_(t), n_(unit_normal(t)) {}
+  ClosestFeatures(const Triangle& t, double reach) : t_(t), n_(unit_normal(t)), reach_(reach) {}
 
   /// A corner of the triangle and its signed distance.
   void add_corner(std::size_t i, double value, const Vector3& normal) {
     const FaceDistance found{value, normal, corner(i)};
-    if (value < 0) add_inside(found);
+    if (value < 0) add_inside(found, {});
     if (std::abs(value) < std::abs(nearest_.value)) nearest_ = found;
   }
 
-  void add(const Solid::Ridge& ridge) {
+  void add(int number, const Solid::Ridge& ridge) {
+    const Feature feature{Feature::ridge, number};
     const auto& [a, b] = ridge.ends;
-    if (!n_.isZero(0) && passes_through(a, b, t_)) {
-      add_piercing(ridge);
+    const std::array<double, 2> heights{n_.dot(a - t_[0]), n_.dot(b - t_[0])};
+    if ((heights[0] > 0) != (heights[1] > 0) && passes_through(a, b, t_)) {
+      add_piercing(feature, ridge);
       return;
     }
     for (const std::size_t end : {0, 1}) {
+      if (std::abs(heights[end]) > Solid::beyond_rounding * most()) continue;
       const Vector3& p = ridge.ends[end];
-      add_pair(p, closest_on_triangle(p, t_[0], t_[1], t_[2]), ridge.end_normals[end]);
+      add_pair(feature, p, closest_on_triangle(p, t_[0], t_[1], t_[2]), ridge.end_normals[end]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const SegmentParameters where = closest_on_segments(t_[i], t_[(i + 1) % 3], a, b);
       const Vector3& normal = where.t <= 0   ? ridge.end_normals[0]
                               : where.t >= 1 ? ridge.end_normals[1]
                                              : ridge.normal;
-      add_pair(a + where.t * (b - a), on_edge(i, where.s), normal);
+      add_pair(feature, a + where.t * (b - a), on_edge(i, where.s), normal);
     }
   }
 
   /// The edge from corner i on passes through a face at `place`: moving its inner end out frees it.
-  void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
+  void add_hit(std::size_t i, const Vector3& place, int face, const Vector3& normal) {
     for (const std::size_t end : {i, (i + 1) % 3}) {
       const double depth = normal.dot(t_[end] - place);
-      if (depth < 0) add_inside({depth, normal, corner(end)});
+      if (depth < 0) add_inside({depth, normal, corner(end)}, {Feature::face, face});
     }
   }
 
@@ -54,22 +71,27 @@ class ClosestFeatures {
 
   /// For a triangle that is partly inside the solid, the shortest way that takes one of its
   /// features out; else the nearest pair.
-  const FaceDistance& result() const { return is_inside_ ? inside_ : nearest_; }
+  const FaceDistance& result() const {
+    const bool is_shorter = nearest_.value < 0 && nearest_.value > inside_.value;
+    return is_inside_ && !is_shorter ? inside_ : nearest_;
+  }
 
  private:
-  void add_pair(const Vector3& p, const Weights& weights, const Vector3& normal) {
+  void add_pair(const Feature& feature, const Vector3& p, const Weights& weights,
+                const Vector3& normal) {
     const Vector3 gap = at(t_, weights) - p;
-    const double distance = gap.norm();
-    if (distance >= std::abs(nearest_.value)) return;
+    const double distance = gap.norm(), most = std::abs(nearest_.value);
+    if (distance > std::min(most, reach_)) return;
+    if (distance == most && !feature.is_before(nearest_feature_)) return;
+    nearest_feature_ = feature;
     const double side = gap.dot(normal) < 0 ? -1 : 1;
     nearest_ = {side * distance,
                 distance > 0 ? Vector3(side / distance * gap) : normal.stableNormalized(), weights};
-    if (side < 0) add_inside(nearest_, false);
   }
 
   /// A ridge passes through the triangle: the triangle leaves it over an end that points outwards,
   /// or, if neither does, over the nearer one.
-  void add_piercing(const Solid::Ridge& ridge) {
+  void add_piercing(const Feature& feature, const Solid::Ridge& ridge) {
     std::array<FaceDistance, 2> exits;
     bool has_tip = false;
     for (const std::size_t end : {0, 1}) {
@@ -79,52 +101,59 @@ class ClosestFeatures {
                     closest_on_triangle(p, t_[0], t_[1], t_[2])};
       if (exits[end].normal.dot(ridge.end_normals[end]) <= 0) continue;
       has_tip = true;
-      add_inside(exits[end]);
+      add_inside(exits[end], feature);
     }
-    if (!has_tip) add_inside(exits[exits[0].value > exits[1].value ? 0 : 1]);
+    if (!has_tip) add_inside(exits[exits[0].value > exits[1].value ? 0 : 1], feature);
   }
 
-  /// `surely`: inside, even if another feature is nearer.
-  void add_inside(const FaceDistance& found, bool surely = true) {
-    is_inside_ = is_inside_ || surely;
-    if (found.value > inside_.value) inside_ = found;
+  void add_inside(const FaceDistance& found, const Feature& feature) {
+    is_inside_ = true;
+    if (found.value < inside_.value) return;
+    if (found.value == inside_.value && !feature.is_before(inside_feature_)) return;
+    inside_ = found;
+    inside_feature_ = feature;
   }
 
   const Triangle& t_;
-  Vector3 n_;  // unit, zero without an area
+  Vector3 n_;     // unit, zero without an area
+  double reach_;  // pairs farther apart do not count [m]
   FaceDistance nearest_;
   FaceDistance inside_{-infinity, Vector3::UnitZ(), {1, 0, 0}};
   bool is_inside_ = false;
+  Feature nearest_feature_, inside_feature_;
 };
 
 /// The same for a sheet, which has two sides and no inside.
 class ClosestToSheet {
  public:
-  explicit ClosestToSheet(const Triangle& t) : t_(t), n_(unit_normal(t)) {}
+  ClosestToSheet(const Triangle& t, double reach) : t_(t), n_(unit_normal(t)), reach_(reach) {}
 
   void add_corner(std::size_t i, double value, const Vector3& normal) {
     if (value < nearest_.value) nearest_ = {value, normal, corner(i)};
   }
 
-  void add(const Solid::Ridge& ridge) {
+  void add(int number, const Solid::Ridge& ridge) {
+    const Feature feature{Feature::ridge, number};
     const auto& [a, b] = ridge.ends;
     if (!n_.isZero(0) && passes_through(a, b, t_)) {
       for (const Vector3& p : ridge.ends) {
-        add_exit(n_.dot(p - t_[0]), n_, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+        add_exit(n_.dot(p - t_[0]), n_, closest_on_triangle(p, t_[0], t_[1], t_[2]), feature);
       }
       return;
     }
-    for (const Vector3& p : ridge.ends) add_pair(p, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+    for (const Vector3& p : ridge.ends) {
+      add_pair(feature, p, closest_on_triangle(p, t_[0], t_[1], t_[2]));
+    }
     for (std::size_t i = 0; i < 3; ++i) {
       const SegmentParameters where = closest_on_segments(t_[i], t_[(i + 1) % 3], a, b);
-      add_pair(a + where.t * (b - a), on_edge(i, where.s));
+      add_pair(feature, a + where.t * (b - a), on_edge(i, where.s));
     }
   }
 
   /// The edge from corner i on passes through a face at `place`: either end may go back.
-  void add_hit(std::size_t i, const Vector3& place, const Vector3& normal) {
+  void add_hit(std::size_t i, const Vector3& place, int face, const Vector3& normal) {
     for (const std::size_t end : {i, (i + 1) % 3}) {
-      add_exit(normal.dot(place - t_[end]), normal, corner(end));
+      add_exit(normal.dot(place - t_[end]), normal, corner(end), {Feature::face, face});
     }
   }
 
@@ -136,44 +165,59 @@ class ClosestToSheet {
   const FaceDistance& result() const { return std::isinf(out_.value) ? nearest_ : out_; }
 
  private:
-  void add_pair(const Vector3& p, const Weights& weights) {
+  void add_pair(const Feature& feature, const Vector3& p, const Weights& weights) {
     const Vector3 gap = at(t_, weights) - p;
     const double distance = gap.norm();
-    if (distance < nearest_.value && distance > 0) nearest_ = {distance, gap / distance, weights};
+    if (distance > std::min(nearest_.value, reach_) || distance == 0) return;
+    if (distance == nearest_.value && !feature.is_before(nearest_feature_)) return;
+    nearest_ = {distance, gap / distance, weights};
+    nearest_feature_ = feature;
   }
 
   /// `depth` [m] along `normal`, or against it where below 0.
-  void add_exit(double depth, const Vector3& normal, const Weights& weights) {
-    if (-std::abs(depth) <= out_.value) return;
-    out_ = {-std::abs(depth), depth < 0 ? Vector3(-normal) : normal, weights};
+  void add_exit(double depth, const Vector3& normal, const Weights& weights,
+                const Feature& feature) {
+    const double value = -std::abs(depth);
+    if (value < out_.value) return;
+    if (value == out_.value && !feature.is_before(out_feature_)) return;
+    out_ = {value, depth < 0 ? Vector3(-normal) : normal, weights};
+    out_feature_ = feature;
   }
 
   const Triangle& t_;
-  Vector3 n_;  // unit, zero without an area
+  Vector3 n_;     // unit, zero without an area
+  double reach_;  // pairs farther apart do not count [m]
   FaceDistance nearest_;
   FaceDistance out_{-infinity, Vector3::UnitZ(), {1, 0, 0}};
+  Feature nearest_feature_, out_feature_;
 };
 
 bool is_near(const Solid& solid, const Box& box, double most) {
   return squared_distance(solid.box(), box) <= most * std::abs(most);
 }
 
-/// Where a triangle and the features within `max_value` [m] of it are closest.
+/// Where a triangle and the features within `reach` [m] of it are closest.
 template <class Closest>
-FaceDistance closest_features(const Solid& solid, const Triangle& t, double max_value) {
-  Closest closest(t);
+FaceDistance closest_features(const Solid& solid, const Triangle& t, double reach,
+                              const FaceQuery& query) {
+  const double at_most = std::max(reach, 0.0);
+  Closest closest(t, at_most);
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto [value, normal] = solid.distance(t[i]);
+    const auto [value, normal] = query.neighbourhoods[i]
+                                     ? solid.distance(t[i], *query.neighbourhoods[i])
+                                     : solid.distance(t[i]);
     closest.add_corner(i, value, normal);
   }
-  double most = std::min(closest.most(), std::max(max_value, 0.0));
-  solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
-    closest.add(ridge);
+  double most = std::min(closest.most(), at_most);
+  if (query.surroundings) solid.look_around(t, most, *query.surroundings);
+  solid.visit_ridges(t, query.surroundings, most, [&](int i, const Solid::Ridge& ridge) {
+    closest.add(i, ridge);
     most = std::min(most, closest.most());
   });
-  solid.visit_hits(t, [&](std::size_t i, const Vector3& place, const Vector3& normal) {
-    closest.add_hit(i, place, normal);
-  });
+  solid.visit_hits(t, query.surroundings,
+                   [&](std::size_t i, const Vector3& place, int face, const Vector3& normal) {
+                     closest.add_hit(i, place, face, normal);
+                   });
   return closest.result();
 }
 
@@ -213,10 +257,16 @@ std::optional<double> MeshShape::entry(const Vector3& from, const Vector3& displ
 }
 
 std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double reach) const {
-  if (!is_near(file->solid, box_of(t), reach + padding)) return std::nullopt;
+  return face_distance(t, reach, {});
+}
+
+std::optional<FaceDistance> MeshShape::face_distance(const Triangle& t, double reach,
+                                                     const FaceQuery& query) const {
+  const Solid& solid = file->solid;
+  if (!is_near(solid, box_of(t), reach + padding)) return std::nullopt;
   const FaceDistance found =
-      file->solid.is_sheet() ? closest_features<ClosestToSheet>(file->solid, t, reach + padding)
-                             : closest_features<ClosestFeatures>(file->solid, t, reach + padding);
+      solid.is_sheet() ? closest_features<ClosestToSheet>(solid, t, reach + padding, query)
+                       : closest_features<ClosestFeatures>(solid, t, reach + padding, query);
   return within(reach, found, padding);
 }
 
@@ -226,7 +276,7 @@ void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double rea
   constexpr double sharp = 0.35;  // ridges that bend less do not support a triangle [rad]
   if (file->solid.sharpest() < sharp) return;
   double most = reach + padding;
-  file->solid.visit_ridges(t, most, [&](const Solid::Ridge& ridge) {
+  file->solid.visit_ridges(t, nullptr, most, [&](int, const Solid::Ridge& ridge) {
     if (ridge.angle < sharp) return;
     const Vector3 along = ridge.ends[1] - ridge.ends[0];
     if (std::abs(normal.dot(along)) > square * along.norm()) return;
@@ -236,15 +286,17 @@ void MeshShape::visit_lines(const Triangle& t, const Vector3& normal, double rea
 }
 
 bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach) const {
+  return may_touch(box, t, reach, {});
+}
+
+bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach,
+                          const FaceQuery& query) const {
   double most = reach + padding;
-  if (!t) return is_near(file->solid, box, most);
-  bool found = false;
-  file->solid.visit_ridges(*t, most, [&](const Solid::Ridge& ridge) {
-    const Box line = Box(ridge.ends[0]).extend(ridge.ends[1]);
-    found = found || overlap(line, box, reach + padding);
-    if (found) most = -1;
-  });
-  return found;
+  const bool may = is_near(file->solid, box, most);
+  if (!may || !t) return may;
+  if (query.surroundings) file->solid.look_around(*t, most, *query.surroundings);
+  file->solid.visit_ridges(*t, query.surroundings, most, [&](const auto&...) { most = -1; });
+  return most < 0;
 }
 
 }  // namespace clothsim

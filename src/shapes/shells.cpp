@@ -88,7 +88,8 @@ bool reaches_into(const Solid& solid, const Shell& other, double near) {
   bool hits = false;
   for (const auto& t : triangles) {
     const auto at = [&](std::size_t k) { return vertices[static_cast<std::size_t>(t[k])]; };
-    solid.visit_hits({at(0), at(1), at(2)}, [&](std::size_t, const auto&...) { hits = true; });
+    solid.visit_hits({at(0), at(1), at(2)}, nullptr,
+                     [&](std::size_t, const auto&...) { hits = true; });
     if (hits) break;
   }
   return hits;

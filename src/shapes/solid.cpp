@@ -1,4 +1,4 @@
-// The surface of a solid: closedness, normals and ridges.
+// The surface of a solid: closedness, normals, ridges and thickness.
 
 #include "clothsim/shapes/solid.h"
 
@@ -16,6 +16,9 @@ constexpr double flat = 1e-4;
 
 /// Below this share of the sum of its parts' magnitudes, a volume is rounding.
 constexpr double min_volume = 1e-9;
+
+/// Most triangles, spread over all, whose thickness is measured.
+constexpr std::size_t max_measured = 2000;
 
 struct HashOfPlace {
   std::size_t operator()(const Vector3& p) const {
@@ -244,6 +247,33 @@ double Solid::dip(double edge) const {
   // Over a single ridge both ends lie on its slopes, half an edge away; over many ridges, which
   // form a ball, the triangle lies within edge / sqrt(3) of its circumcentre.
   return std::max(edge / 4 * sharpest_, edge * edge / 6 * curvature_);
+}
+
+double Solid::thickness_below(std::size_t face) const {
+  const Corners& corners = corners_[face];
+  const Vector3 in = -faces_[face].normal;
+  const Vector3 from = (corners[0] + corners[1] + corners[2]) / 3 + smallest * radius_ * in;
+  double least = std::numeric_limits<double>::max();  // finite: skips boxes off the ray
+  face_tree_.search([&](const Box& box) { return hit_by_ray(from, in, box); }, least,
+                    [&](int i) {
+                      if (static_cast<std::size_t>(i) == face) return;
+                      least = std::min(least,
+                                       hit_by_ray(from, in, corners_[static_cast<std::size_t>(i)]));
+                    });
+  return least;
+}
+
+double Solid::measure_thickness() const {
+  const std::size_t every = (faces_.size() + max_measured - 1) / max_measured;
+  std::vector<double> found;
+  for (std::size_t face = 0; face < faces_.size(); face += every) {
+    if (faces_[face].normal.isZero(0)) continue;
+    const double here = thickness_below(face);
+    if (here < std::numeric_limits<double>::max()) found.push_back(here);
+  }
+  if (found.empty()) return box_.sizes().minCoeff();
+  std::sort(found.begin(), found.end());
+  return found[found.size() / 100];
 }
 
 }  // namespace clothsim

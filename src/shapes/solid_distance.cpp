@@ -22,12 +22,9 @@ constexpr double max_cells = 4e6;
 constexpr double widest_band = 2e-3;
 constexpr double band_cells = 2;
 
-/// Smaller distances, by the solid's size, have no direction but for rounding; the same for a
-/// corner's weight.
-constexpr double smallest = 1e-9;
-
-/// Most triangles, spread over all, whose thickness is measured.
-constexpr std::size_t max_measured = 2000;
+/// A neighbourhood moves to a point that is farther from its place, by the point's distance from
+/// the surface.
+constexpr double most_moved = 0.05;
 
 /// Factor from a distance rounded to float to a lower bound of it.
 constexpr double just_below = 1 - 1e-6;
@@ -50,15 +47,15 @@ class Solid::NearestFew {
   const Nearest& first() const { return found_[0]; }
 
   /// `unseen`: lower bound on the distance of the triangles that were not added [m].
-  Neighbourhood at(const Vector3& place, double unseen) const {
-    Neighbourhood result;
+  void store(const Vector3& place, double unseen, Neighbourhood& result) const {
     result.place = place;
+    result.outside = 0;
     result.beyond = std::min(most_, unseen);
-    for (; result.count < Neighbourhood::most && found_[result.count].face >= 0; ++result.count) {
+    for (result.count = 0; result.count < Neighbourhood::most; ++result.count) {
+      if (found_[result.count].face < 0) break;
       result.faces[result.count] = found_[result.count].face;
       result.distances[result.count] = std::sqrt(found_[result.count].squared);
     }
-    return result;
   }
 
  private:
@@ -140,8 +137,39 @@ std::pair<double, Vector3> Solid::signed_distance(const Nearest& nearest) const 
   return {sign * value, unit.isZero(0) ? Vector3::UnitZ() : unit};
 }
 
+/// The nearest triangle, where it is known to be one of a neighbourhood; else `face` is -1.
+Solid::Nearest Solid::nearest_of(Neighbourhood& kept, const Vector3& point, double moved) const {
+  Nearest nearest;
+  const double beyond = kept.beyond - moved;
+  if (beyond <= 0) return nearest;
+  std::size_t looked = 0;
+  for (; looked < kept.count; ++looked) {
+    const double far = kept.distances[looked] - moved;
+    if (far > 0 && far * far > nearest.squared) break;
+    const Nearest one = look_at(kept.faces[looked], point);
+    if (one.is_before(nearest)) nearest = one;
+  }
+  if (nearest.squared >= beyond * beyond) return {};
+  // Far from the place of the neighbourhood one triangle does not suffice.
+  if (looked > 1 && moved * moved > most_moved * most_moved * nearest.squared) {
+    NearestFew few;
+    for (std::size_t i = 0; i < kept.count; ++i) few.add(look_at(kept.faces[i], point));
+    few.store(point, beyond, kept);
+  }
+  return nearest;
+}
+
 std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& point,
-                                                  Neighbourhood& neighbourhood) const {
+                                                  Neighbourhood& kept) const {
+  const double moved = (point - kept.place).norm() + smallest * radius_;
+  if (kept.outside - moved >= near) return {kept.outside - moved, Vector3::UnitZ()};
+  const Nearest nearest = nearest_of(kept, point, moved);
+  if (nearest.face >= 0) {
+    const auto result = signed_distance(nearest);
+    if (kept.place == point) kept.outside = std::max(0.0, result.first);
+    return result;
+  }
+
   const int cell = cell_of(point);
   double least = 0;
   if (cell < 0) {
@@ -150,37 +178,32 @@ std::pair<double, Vector3> Solid::distance_within(double near, const Vector3& po
     // Every point within the band of the surface lies in a cell with candidates.
     least = band() + (steps - 1) * cell_;
   }
+  const double beyond = kept.beyond - moved;
+  if (least > 0) least = std::max(least, beyond);
   if (least >= near) return {least, Vector3::UnitZ()};
-
-  const double moved = (point - neighbourhood.place).norm() + smallest * radius_;
-  Nearest nearest;
-  for (std::size_t i = 0; i < neighbourhood.count; ++i) {
-    const double far = neighbourhood.distances[i] - moved;
-    if (far > 0 && far * far > nearest.squared) break;
-    const Nearest one = look_at(neighbourhood.faces[i], point);
-    if (one.is_before(nearest)) nearest = one;
-  }
-  const double beyond = neighbourhood.beyond - moved;
-  if (beyond > 0 && nearest.squared < beyond * beyond) return signed_distance(nearest);
-  if (beyond >= near && least > 0) return {beyond, Vector3::UnitZ()};
 
   NearestFew few;
   if (cell >= 0 && has_candidates(static_cast<std::size_t>(cell))) {
     visit_candidates(cell, point, few.most(), [&](int face) { few.add(look_at(face, point)); });
-    neighbourhood = few.at(point, beyond_candidates(cell, point));
+    few.store(point, beyond_candidates(cell, point), kept);
   } else {
     // Inside the solid the nearest triangle counts at any distance.
-    const double most = least > 0 ? near : infinity;
+    const double most = least > 0 ? 1.5 * near : infinity;
     double most2 = most * most;
     face_tree_.search([&](const Box& box) { return squared_distance(box, point); }, most2,
                       [&](int i) {
                         few.add(look_at(i, point));
                         most2 = std::min(most2, few.most() * few.most());
                       });
-    neighbourhood = few.at(point, most);
-    if (few.first().squared > most * most) return {most, Vector3::UnitZ()};
+    few.store(point, most, kept);
+    if (few.first().squared > most * most) {
+      kept.outside = most;
+      return {most, Vector3::UnitZ()};
+    }
   }
-  return signed_distance(few.first());
+  const auto result = signed_distance(few.first());
+  kept.outside = std::max(0.0, result.first);
+  return result;
 }
 
 double Solid::beyond_candidates(int cell, const Vector3& point) const {
@@ -343,33 +366,6 @@ void Solid::find_candidates(const Vector3& center, double half) {
             [](const Candidate& a, const Candidate& b) {
               return a.least < b.least || (a.least == b.least && a.face < b.face);
             });
-}
-
-double Solid::thickness_below(std::size_t face) const {
-  const Corners& corners = corners_[face];
-  const Vector3 in = -faces_[face].normal;
-  const Vector3 from = (corners[0] + corners[1] + corners[2]) / 3 + smallest * radius_ * in;
-  double least = std::numeric_limits<double>::max();  // finite: skips boxes off the ray
-  face_tree_.search([&](const Box& box) { return hit_by_ray(from, in, box); }, least,
-                    [&](int i) {
-                      if (static_cast<std::size_t>(i) == face) return;
-                      least = std::min(least,
-                                       hit_by_ray(from, in, corners_[static_cast<std::size_t>(i)]));
-                    });
-  return least;
-}
-
-double Solid::measure_thickness() const {
-  const std::size_t every = (faces_.size() + max_measured - 1) / max_measured;
-  std::vector<double> found;
-  for (std::size_t face = 0; face < faces_.size(); face += every) {
-    if (faces_[face].normal.isZero(0)) continue;
-    const double here = thickness_below(face);
-    if (here < std::numeric_limits<double>::max()) found.push_back(here);
-  }
-  if (found.empty()) return box_.sizes().minCoeff();
-  std::sort(found.begin(), found.end());
-  return found[found.size() / 100];
 }
 
 }  // namespace clothsim

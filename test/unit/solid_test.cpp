@@ -304,6 +304,45 @@ TEST(Solid, FaceDistanceIsThatOfAllPairsOfTriangles) {
   }
 }
 
+TEST(Solid, FaceDistanceIsTheSameWhereverOnesWayCameFrom) {
+  Random random(9);
+  std::vector<Shape> shapes;
+  for (const TriangleSoup& soup : soups) shapes.push_back(mesh_shape(soup, 0.002));
+  shapes.push_back(sheet_shape(above_z(globe_soup(0.1, 5), 0.02), 0.004));
+  for (const Shape& shape : shapes) {
+    const Solid& solid = std::get<MeshShape>(shape).file->solid;
+    const TriangleSoup soup{solid.vertices(), solid.triangles()};
+    Solid::Surroundings kept;
+    std::array<Solid::Neighbourhood, 3> corners;
+    const FaceQuery query{&kept, {&corners[0], &corners[1], &corners[2]}};
+    Triangle t = random_triangle(random, soup, solid);
+    int within = 0, inside = 0, beside = 0;
+    for (int n = 0; n < 10000; ++n) {
+      // Mostly small steps, now and then another place.
+      for (Vector3& p : t) p += std::pow(10, random(-7, -2)) * solid.radius() * random.vector();
+      if (random(0, 1) < 0.02) t = random_triangle(random, soup, solid);
+      const double reach = random(0, 1) < 0.2 ? 0 : std::pow(10, random(-3, 0)) * solid.radius();
+      const Solid::Surroundings before = kept;
+      const auto expected = face_distance(shape, t, reach),
+                 found = face_distance(shape, t, reach, query);
+      ASSERT_EQ(found.has_value(), expected.has_value()) << n;
+      if (found) {
+        ASSERT_EQ(found->value, expected->value) << n;
+        ASSERT_EQ(found->normal, expected->normal) << n;
+        ASSERT_EQ(found->weights, expected->weights) << n;
+        ++within;
+        inside += found->value < 0;
+      }
+      beside += before.cover(t, 0) && kept.place == before.place;
+      ASSERT_EQ(touches_between_corners(shape, t, reach, query),
+                touches_between_corners(shape, t, reach));
+    }
+    EXPECT_GT(within, 3000);
+    EXPECT_GT(inside, 300);
+    EXPECT_GT(beside, 1000) << "what was kept was of use";
+  }
+}
+
 TEST(Solid, ABoxOfTrianglesIsABox) {
   const Vector3 size(0.3, 0.2, 0.1);
   const Shape mesh = mesh_shape(box_soup(size)), box = Cuboid{size};

@@ -137,8 +137,8 @@ class ColliderContacts {
     bool is_close = false;   // whether this step checks its points one by one
     /// Common direction in which points leave it, own frame, unit.
     std::optional<Vector3> exit_direction;
-    std::vector<char> leaves;                          // by point: it leaves along exit_direction
-    std::vector<Solid::Neighbourhood> neighbourhoods;  // of points, on a mesh
+    std::vector<char> leaves;  // by point: it leaves along exit_direction
+    MeshMemory mesh;
 
     MeshQuery query(const MovingCollider&, const Cloth&, double near);
   };

@@ -22,7 +22,7 @@ double leeway(double lever, const Triangle&);
 
 /// face_distance(), with that leeway added.
 std::optional<FaceDistance> distance_with_leeway(const Shape&, const Cloth&, const Corners&,
-                                                 const Triangle&, double margin);
+                                                 const Triangle&, double margin, const FaceQuery&);
 
 /// Distance of a triangle at a step's end, and whether it results from a sweep.
 struct FaceApproach {
@@ -31,14 +31,28 @@ struct FaceApproach {
   bool swept = false;
 };
 
-FaceApproach approach(const MovingCollider&, const Cloth&, const Corners&, const LocalCloth&,
+FaceApproach approach(const MovingCollider&, const Cloth&, std::size_t triangle, const LocalCloth&,
                       double margin);
 
+/// A triangle that was measured, in a collider's frame.
+struct MeasuredTriangle {
+  Triangle place{};             // [m]
+  double distance = -infinity;  // from the surface, at least [m]
+
+  /// Lower bound on its distance after it has moved [m].
+  double distance_at(const Triangle& t) const {
+    double moved2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) moved2 = std::max(moved2, (t[k] - place[k]).squaredNorm());
+    return distance - std::sqrt(moved2);
+  }
+};
+
 /// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
-/// its corners, or may have passed through.
+/// its corners, or may have passed through. `measured`: by triangle.
 template <class Visit>
 void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
-                   const LocalCloth& local, double margin, Visit visit) {
+                   const LocalCloth& local, const std::vector<MeasuredTriangle>& measured,
+                   double margin, Visit visit) {
   const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
   const double far = margin + edge / std::sqrt(3);  // distance of the nearest corner
   const double max_displacement = longest_row(local.to - local.from);
@@ -48,7 +62,9 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks&
     if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
     for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
       const Corners& c = cloth.triangles[t];
-      if (!fast && !touches_between_corners(shape, triangle_of(local.to, c), margin)) continue;
+      const Triangle corners = triangle_of(local.to, c);
+      if (!fast && measured[t].distance_at(corners) > margin) continue;
+      if (!fast && !touches_between_corners(shape, corners, margin, local.query(t, c))) continue;
       if (is_held_inside(cloth, c, local)) continue;
       visit(static_cast<int>(t), c);
     }

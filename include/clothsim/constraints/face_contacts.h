@@ -5,6 +5,7 @@
 
 #include "clothsim/constraints/contact_list.h"
 #include "clothsim/constraints/corners.h"
+#include "clothsim/constraints/face_approach.h"
 #include "clothsim/constraints/local_cloth.h"
 #include "clothsim/constraints/pinches.h"
 #include "clothsim/constraints/rigid_bodies.h"
@@ -56,6 +57,9 @@ class FaceContacts {
   /// The same for the triangles that were within reach in the last find().
   void find_again(const ColliderQuery&);
 
+  /// Corners of these triangles, ascending.
+  const std::vector<int>& near_points(std::size_t collider) const { return at_[collider].points; }
+
   /// Gives the contacts the impulses of the last step. `bodies`: none or those of the scene.
   void warm_start(const Points& positions, RigidBodies*, Points& velocities);
 
@@ -83,7 +87,7 @@ class FaceContacts {
 
   /// Moves the corners of triangles that are in the collider out, in local.to, and marks them as
   /// `moved`. Triangles with a point that is `held` (empty: none) are left alone.
-  void project_positions(const MovingCollider&, const Cloth&, double h,
+  void project_positions(int number, const MovingCollider&, const Cloth&, double h,
                          const std::vector<char>& held, LocalCloth&, std::vector<char>& moved);
 
   /// Turns a contact to another direction out of the solid, at that speed [m/s].
@@ -148,7 +152,7 @@ class FaceContacts {
   }
 
   /// Measures a triangle and adds its contacts. To be called in the order of their keys.
-  void look_at(const ColliderQuery&, NearTriangle&, ContactList::Last&);
+  void look_at(const ColliderQuery&, NearTriangle&, MeasuredTriangle&, ContactList::Last&);
 
   /// The same without measuring, where the triangle has hardly moved since: as if its features
   /// touched planes. False where it has moved too far.
@@ -164,8 +168,19 @@ class FaceContacts {
   void add(const ColliderQuery&, std::uint64_t key, const Contact* last,
            const FaceDistance& distance, bool swept, double depth);
 
+  /// The triangles of a cloth at a collider.
+  struct AtCollider {
+    std::vector<NearTriangle> near;          // ascending
+    std::vector<int> points;                 // their corners, ascending
+    std::vector<MeasuredTriangle> measured;  // by triangle
+  };
+  AtCollider& at_collider(int number, const Cloth&);
+
+  /// A lower bound on the distance from the collider, from the last measurement [m].
+  static double distance_of(const ColliderQuery&, const MeasuredTriangle&, const Corners&);
+
   TriangleBlocks blocks_;
-  std::vector<std::vector<NearTriangle>> near_;  // by collider, ascending
+  std::vector<AtCollider> at_;  // by collider
   ContactList list_;
   std::vector<Place> places_;  // as list_; empty for a list that was read
 };

@@ -4,11 +4,21 @@
 #include <cmath>
 
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/constraints/corners.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/types.h"
+#include "clothsim/shapes/face_distance.h"
 #include "clothsim/shapes/moving_collider.h"
 
 namespace clothsim {
+
+/// Data that queries of a cloth to a mesh keep for the next ones; empty for other shapes.
+struct MeshMemory {
+  std::vector<Solid::Neighbourhood> points;    // by point
+  std::vector<Solid::Surroundings> triangles;  // by triangle
+
+  void fit(const MovingCollider&, const Cloth&);
+};
 
 /// A cloth in the frame of one collider.
 struct LocalCloth {
@@ -18,11 +28,18 @@ struct LocalCloth {
   Scalars distance;    // of `to` from the surface, see signed_distances() [m]
   double longest = 0;  // path from `from` to `to`, with the turn of the frame [m]
   double edge = 0;     // bound on the edges of triangles [m]
+  MeshMemory* mesh = nullptr;  // of the collider
 
-  void place(const MovingCollider&, const Points& start, const Points& end);
-  /// The same without the distances.
-  void place_points(const MovingCollider&, const Points& start, const Points& end);
+  void place(const MovingCollider&, const Cloth&, const Points& start, const Points& end,
+             MeshMemory&);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
+
+  /// Both for some points of the cloth, without their distances; `longest` is that of these.
+  void place_points(const std::vector<int>& points, const MovingCollider&, const ContactStep&,
+                    const Points& end, MeshMemory&);
+
+  /// For queries about a triangle of the cloth.
+  FaceQuery query(std::size_t triangle, const Corners&) const;
 };
 
 /// How contact keeps the triangles of a cloth out of a shape.

@@ -6,6 +6,7 @@
 
 namespace clothsim {
 
+struct FaceQuery;
 struct MeshFile;
 
 /// A solid of triangles in its own frame, or a sheet of them, grown by a padding with round edges:
@@ -24,9 +25,11 @@ struct MeshShape {
   NearSurface near_surface(double x, double y, double z, double) const;
   std::optional<double> entry(const Vector3& from, const Vector3& displacement,
                               double offset) const;
-  std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
+  std::optional<FaceDistance> face_distance(const Triangle& t, double reach) const;
+  std::optional<FaceDistance> face_distance(const Triangle&, double reach, const FaceQuery&) const;
   void visit_lines(const Triangle&, const Vector3& normal, double reach, const VisitLine&) const;
   bool may_touch(const Box&, const Triangle*, double reach) const;
+  bool may_touch(const Box&, const Triangle*, double reach, const FaceQuery&) const;
 };
 
 }  // namespace clothsim

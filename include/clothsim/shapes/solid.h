@@ -52,6 +52,9 @@ class Solid {
     double angle;  // between its two faces' normals [rad]
   };
 
+  /// More than 1 by more than the rounding of a distance.
+  static constexpr double beyond_rounding = 1 + 1e-6;
+
   /// Vertices at one place become one. Throws InvalidValue, without a key, unless the surface is
   /// finite, closed and of one sense, each edge between two triangles, with a volume inside. A
   /// surface that is inside out is turned. A sheet need only be finite.
@@ -68,11 +71,25 @@ class Solid {
     static constexpr std::size_t most = 4;
 
     Vector3 place = Vector3::Zero();
-    double beyond = 0;  // lower bound on the distance of all other triangles [m]
+    double outside = 0;  // distance of the place from the solid, 0 inside [m]
+    double beyond = 0;   // lower bound on the distance of all other triangles [m]
     std::size_t count = 0;
     std::array<int, most> faces{};
     std::array<double, most> distances{};  // of these [m]
+
+    // The last result of distance(), as the triangles that meet at a point ask for it one by one.
+    Vector3 point = Vector3::Constant(NAN);
+    std::pair<double, Vector3> distance{0, Vector3::UnitZ()};
   };
+
+  /// distance() with the same bits for any `neighbourhood` of earlier points.
+  std::pair<double, Vector3> distance(const Vector3& point, Neighbourhood& neighbourhood) const {
+    if (point != neighbourhood.point) {
+      neighbourhood.distance = distance_within(infinity, point, neighbourhood);
+      neighbourhood.point = point;
+    }
+    return neighbourhood.distance;
+  }
 
   /// distance() up to `near` [m], with the same bits for any `neighbourhood` of earlier points.
   /// Beyond `near` outside, the value lies between `near` and the distance, and the normal is
@@ -80,36 +97,73 @@ class Solid {
   std::pair<double, Vector3> distance_within(double near, const Vector3& point,
                                              Neighbourhood& neighbourhood) const;
 
-  /// Calls visit(ridge) for the ridges that may be within `most` [m] of a triangle, the nearer ones
-  /// first; `visit` may lower `most`.
+  /// The ridges and faces near a triangle: a start for queries about it at places near by.
+  struct Surroundings {
+    std::array<Vector3, 3> place{};  // of the triangle
+    double ridges_within = -1;  // lower bound on the distance of ridges that are not listed [m]
+    double faces_within = -1;   // the same of faces
+    std::vector<int> ridges;    // by their distance
+    std::vector<int> faces;     // ascending
+
+    /// Do they list all faces that a triangle meets, and all ridges within `reach` [m] of it?
+    bool cover(const std::array<Vector3, 3>& t, double reach) const;
+  };
+
+  /// Makes surroundings cover a triangle with `reach`, and also once its corners have moved by up
+  /// to half of `reach`.
+  void look_around(const std::array<Vector3, 3>& t, double reach, Surroundings&) const;
+
+  /// Calls visit(i, ridge) for the ridges that may be within `most` [m] of a triangle; `visit` may
+  /// lower `most`, below 0 to end. `surroundings`: those that cover it with `most`, or null to
+  /// search all. The nearer ones come first, by and large.
   template <class Visit>
-  void visit_ridges(const std::array<Vector3, 3>& t, double& most, const Visit& visit) const {
+  void visit_ridges(const std::array<Vector3, 3>& t, const Surroundings* surroundings, double& most,
+                    const Visit& visit) const {
+    if (surroundings && surroundings->ridges.empty()) return;
+    // Rounding must not hide a ridge that is as near as another one.
+    const auto square = [](double m) { return beyond_rounding * m * std::abs(m); };
     const TriangleBound bound(t);
-    double most2 = most * std::abs(most);
-    ridge_tree_.search(bound, most2, [&](int i) {
+    double most2 = square(most);
+    const auto look = [&](int i) {
       const Ridge& ridge = ridges_[static_cast<std::size_t>(i)];
       if (bound.of(ridge.ends) > most2) return;
-      visit(ridge);
-      most2 = most * std::abs(most);
-    });
+      visit(i, ridge);
+      most2 = square(most);
+    };
+    if (surroundings) {
+      for (std::size_t k = 0; k < surroundings->ridges.size() && most >= 0; ++k) {
+        look(surroundings->ridges[k]);
+      }
+    } else {
+      ridge_tree_.search(bound, most2, look);
+    }
   }
 
-  /// Calls visit(i, place, normal) where the edge of a triangle from corner i on passes through a
-  /// face with that unit normal.
+  /// Calls visit(i, place, face, normal) where the edge of a triangle from corner i on passes
+  /// through a face with that unit normal. `surroundings`: those that cover it, or null to search
+  /// all.
   template <class Visit>
-  void visit_hits(const std::array<Vector3, 3>& t, const Visit& visit) const {
+  void visit_hits(const std::array<Vector3, 3>& t, const Surroundings* surroundings,
+                  const Visit& visit) const {
+    if (surroundings && surroundings->faces.empty()) return;
     const TriangleBound bound(t);
-    double touching = 0;
-    face_tree_.search(bound, touching, [&](int face) {
+    const auto look = [&](int face) {
       const Corners& corners = corners_[static_cast<std::size_t>(face)];
       if (bound.of(corners) > 0) return;
       for (std::size_t i = 0; i < 3; ++i) {
         const Vector3 along = t[(i + 1) % 3] - t[i];
         const double share = hit_by_ray(t[i], along, corners);
         if (share > 1) continue;
-        visit(i, Vector3(t[i] + share * along), faces_[static_cast<std::size_t>(face)].normal);
+        visit(i, Vector3(t[i] + share * along), face,
+              faces_[static_cast<std::size_t>(face)].normal);
       }
-    });
+    };
+    double touching = 0;
+    if (surroundings) {
+      for (const int face : surroundings->faces) look(face);
+    } else {
+      face_tree_.search(bound, touching, look);
+    }
   }
 
   /// Bound on the depth [m] to which a flat triangle with edges of at most `edge` [m] and its
@@ -148,6 +202,9 @@ class Solid {
     }
   };
   class NearestFew;
+  /// Smaller distances, by the solid's size, have no direction but for rounding; the same for a
+  /// corner's weight.
+  static constexpr double smallest = 1e-9;
   /// Lower bounds on squared distances from a triangle [m^2]: from its box, and from its plane.
   class TriangleBound {
    public:
@@ -215,6 +272,7 @@ class Solid {
                         const Visit& visit) const;
   void wrap_faces();
   Nearest nearest_by_tree(const Vector3& point, double most) const;
+  Nearest nearest_of(Neighbourhood&, const Vector3& point, double moved) const;
   Vector3 normal_at(const Nearest&) const;
   std::pair<double, Vector3> signed_distance(const Nearest&) const;
   bool has_candidates(std::size_t cell) const { return first_of_[cell] < first_of_[cell + 1]; }
