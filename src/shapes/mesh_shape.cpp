@@ -291,12 +291,11 @@ bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach) const
 
 bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach,
                           const FaceQuery& query) const {
-  double most = reach + padding;
-  const bool may = is_near(file->solid, box, most);
-  if (!may || !t) return may;
+  const double most = reach + padding;
+  if (!is_near(file->solid, box, most)) return false;
+  if (!t) return true;
   if (query.surroundings) file->solid.look_around(*t, most, *query.surroundings);
-  file->solid.visit_ridges(*t, query.surroundings, most, [&](const auto&...) { most = -1; });
-  return most < 0;
+  return file->solid.may_touch_ridge(*t, most, query.surroundings);
 }
 
 }  // namespace clothsim

@@ -18,7 +18,7 @@ from cloth_client import SLOWER, Cloth, Recorder, positions, velocities
 SIDE, POINTS = 0.4, 25
 WEIGHT = 0.35 * SIDE**2 * 9.8  # [N]
 CELL = SIDE / (POINTS - 1)  # [m]
-LONGEST = 120 * SLOWER  # duration of the example at half speed [s]
+LONGEST = 120 * SLOWER  # at most, for the example at 0.3 of its speed [s]
 
 
 class Arm(unittest.TestCase):

@@ -40,11 +40,7 @@ struct MeasuredTriangle {
   double distance = -infinity;  // from the surface, at least [m]
 
   /// Lower bound on its distance after it has moved [m].
-  double distance_at(const Triangle& t) const {
-    double moved2 = 0;
-    for (std::size_t k = 0; k < 3; ++k) moved2 = std::max(moved2, (t[k] - place[k]).squaredNorm());
-    return distance - std::sqrt(moved2);
-  }
+  double distance_at(const Triangle& t) const { return distance - longest_displacement(place, t); }
 };
 
 /// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than

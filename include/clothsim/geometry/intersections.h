@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "clothsim/model/cloth.h"
@@ -10,6 +12,15 @@ namespace clothsim {
 
 /// Corners [m].
 using Triangle = std::array<Vector3, 3>;
+
+/// Displacement of the corner that moves farthest, and so of any point of a triangle, at most.
+inline double longest_displacement(const Triangle& from, const Triangle& to) {
+  double longest2 = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    longest2 = std::max(longest2, (to[k] - from[k]).squaredNorm());
+  }
+  return std::sqrt(longest2);
+}
 
 /// Two triangles of a cloth, a < b.
 struct TrianglePair {

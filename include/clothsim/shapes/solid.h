@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "clothsim/geometry/intersections.h"
 #include "clothsim/geometry/nearest_tree.h"
 #include "clothsim/geometry/rays.h"
 #include "clothsim/model/types.h"
@@ -102,8 +103,8 @@ class Solid {
     std::array<Vector3, 3> place{};  // of the triangle
     double ridges_within = -1;  // lower bound on the distance of ridges that are not listed [m]
     double faces_within = -1;   // the same of faces
-    std::vector<int> ridges;    // by their distance
-    std::vector<int> faces;     // ascending
+    std::vector<std::pair<double, int>> ridges;  // their distances from it, at least [m]; ascending
+    std::vector<int> faces;                      // ascending
 
     /// Do they list all faces that a triangle meets, and all ridges within `reach` [m] of it?
     bool cover(const std::array<Vector3, 3>& t, double reach) const;
@@ -113,9 +114,14 @@ class Solid {
   /// to half of `reach`.
   void look_around(const std::array<Vector3, 3>& t, double reach, Surroundings&) const;
 
+  /// May any ridge be within `reach` [m] of a triangle? Surroundings that cover it with `reach`
+  /// save the search, without an effect on the result; null: none.
+  bool may_touch_ridge(const std::array<Vector3, 3>& t, double reach,
+                       const Surroundings* surroundings) const;
+
   /// Calls visit(i, ridge) for the ridges that may be within `most` [m] of a triangle; `visit` may
-  /// lower `most`, below 0 to end. `surroundings`: those that cover it with `most`, or null to
-  /// search all. The nearer ones come first, by and large.
+  /// lower `most`. `surroundings`: those that cover it with `most`, or null to search all. The
+  /// nearer ones come first, by and large.
   template <class Visit>
   void visit_ridges(const std::array<Vector3, 3>& t, const Surroundings* surroundings, double& most,
                     const Visit& visit) const {
@@ -131,8 +137,10 @@ class Solid {
       most2 = square(most);
     };
     if (surroundings) {
-      for (std::size_t k = 0; k < surroundings->ridges.size() && most >= 0; ++k) {
-        look(surroundings->ridges[k]);
+      const double moved = longest_displacement(surroundings->place, t);
+      for (const auto& [least, i] : surroundings->ridges) {
+        if (least - moved > beyond_rounding * most) break;
+        look(i);
       }
     } else {
       ridge_tree_.search(bound, most2, look);
