@@ -147,8 +147,9 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     }
     if (!s.has_faces) continue;
     Penetration penetration{static_cast<int>(k), {}, {}};
-    local_.place_points(faces_.near_points(k), colliders[k], step, state.positions, s.mesh);
     const double in_step = step.h * speed + s.moved;
+    local_.place_points(faces_.near_points(k), colliders[k], step, state.positions, in_step,
+                        s.mesh);
     faces_.find_again({penetration.collider, colliders[k], cloth, step, in_step + s.keeps, s.within,
                        motion_bound_.total() + s.sleep_bounds.moved(), in_step, local_, state,
                        penetration.faces});

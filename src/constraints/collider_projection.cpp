@@ -71,13 +71,14 @@ void ColliderContacts::project_all(const std::vector<MovingCollider>& colliders,
                                    const Points& start, Points& positions) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (!colliders[k].enabled()) continue;
-    moved_out(k, project_at(caches_[k], colliders[k], cloth, start, positions));
+    moved_out(k, project_at(k, colliders[k], cloth, start, positions));
   }
   motion_bound_.end(positions);
 }
 
-double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& collider,
+double ColliderContacts::project_at(std::size_t number, const MovingCollider& collider,
                                     const Cloth& cloth, const Points& start, Points& positions) {
+  ColliderCache& s = caches_[number];
   const Clearance keeps = clearance(collider.shape(), cloth, stretch_, has_pinched_);
   s.sleep_bounds.find_near(motion_bound_.total(), 2 * keeps.points, s.inside);
   s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
@@ -104,13 +105,14 @@ double ColliderContacts::project_at(ColliderCache& s, const MovingCollider& coll
     }
   }
   if (is_near_faces(s, keeps, keeps.points)) {
-    longest = std::max(longest, project_faces(s, collider, cloth, start, positions));
+    longest = std::max(longest, project_faces(number, collider, cloth, start, positions));
   }
   return longest;
 }
 
-double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& collider,
+double ColliderContacts::project_faces(std::size_t number, const MovingCollider& collider,
                                        const Cloth& cloth, const Points& start, Points& positions) {
+  ColliderCache& s = caches_[number];
   std::vector<char> held = pinches_.held();
   if (s.exit_direction) {
     held.resize(s.leaves.size());
@@ -119,8 +121,8 @@ double ColliderContacts::project_faces(ColliderCache& s, const MovingCollider& c
   }
   local_.place(collider, cloth, start, positions, s.mesh);
   std::vector<char> moved(static_cast<std::size_t>(cloth.num_points()), 0);
-  const auto number = static_cast<int>(&s - caches_.data());
-  faces_.project_positions(number, collider, cloth, recovery_factor_ * h_, held, local_, moved);
+  faces_.project_positions(static_cast<int>(number), collider, cloth, recovery_factor_ * h_, held,
+                           local_, moved);
   double longest = 0;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!moved[static_cast<std::size_t>(i)]) continue;

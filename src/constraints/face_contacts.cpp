@@ -14,11 +14,7 @@ constexpr double followed_error = penetration_slop / 500;
 
 /// Largest displacement of a corner from where impulses act to the step's end [m].
 double to_middle(const LocalCloth& local, const Corners& corners) {
-  double longest2 = 0;
-  for (const int i : corners) {
-    longest2 = std::max(longest2, (local.to.row(i) - local.middle.row(i)).squaredNorm());
-  }
-  return std::sqrt(longest2);
+  return longest_displacement(triangle_of(local.middle, corners), triangle_of(local.to, corners));
 }
 
 }  // namespace
@@ -54,6 +50,9 @@ void FaceContacts::find(const ColliderQuery& at) {
   AtCollider& of = at_collider(at.number, at.cloth);
   ContactList::Last last(list_, key_of(at.number, 0, 0));
   of.near.clear();
+  const auto is_far = [&](std::size_t triangle, const Corners& corners) {
+    return distance_of(at, of.measured[triangle], corners) >= at.reach;
+  };
   const auto look = [&](int triangle, const Corners& corners) {
     MeasuredTriangle& measured = of.measured[static_cast<std::size_t>(triangle)];
     NearTriangle near;
@@ -63,7 +62,7 @@ void FaceContacts::find(const ColliderQuery& at) {
     if (near.distance <= at.margin) look_at(at, near, measured, last);
     if (near.distance < at.reach) of.near.push_back(near);
   };
-  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, of.measured, at.reach, look);
+  for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.reach, is_far, look);
 
   std::vector<char> is_near(static_cast<std::size_t>(at.cloth.num_points()), 0);
   for (const NearTriangle& near : of.near) {
@@ -94,13 +93,10 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
   if (!near.is_beside) return false;
   const Corners& corners = at.cloth.triangles[static_cast<std::size_t>(near.triangle)];
   Triangle displacements = clothsim::triangle_of(at.local.middle, corners);
-  double longest2 = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    displacements[k] -= near.corners[k];
-    longest2 = std::max(longest2, displacements[k].squaredNorm());
-  }
+  const double longest = longest_displacement(near.corners, displacements);
   // The distance from an edge or a tip bends by 1 / distance.
-  if (longest2 > 2 * followed_error * near.distance) return false;
+  if (longest * longest > 2 * followed_error * near.distance) return false;
+  for (std::size_t k = 0; k < 3; ++k) displacements[k] -= near.corners[k];
   for (std::size_t i = 0; i < features; ++i) {
     if (!near.touching[i]) continue;
     FaceDistance now = *near.touching[i];
@@ -295,6 +291,10 @@ void FaceContacts::project_positions(int number, const MovingCollider& collider,
                                      double h, const std::vector<char>& held, LocalCloth& local,
                                      std::vector<char>& moved) {
   const AtCollider& of = at_collider(number, cloth);
+  const auto is_far = [&](std::size_t triangle, const Corners& corners) {
+    const Triangle to = clothsim::triangle_of(local.to, corners);
+    return of.measured[triangle].distance_at(to) > cloth.offset;
+  };
   const auto any_of = [](const auto& marks, const Corners& c, int mark) {
     return std::any_of(c.begin(), c.end(),
                        [&](int i) { return marks[static_cast<std::size_t>(i)] >= mark; });
@@ -331,7 +331,7 @@ void FaceContacts::project_positions(int number, const MovingCollider& collider,
       }
       again = again || must;
     };
-    for_each_near(collider.shape(), cloth, blocks_, local, of.measured, cloth.offset, move_out);
+    for_each_near(collider.shape(), cloth, blocks_, local, cloth.offset, is_far, move_out);
     if (!again) break;
   }
 }

@@ -53,10 +53,10 @@ void LocalCloth::place_middle(const MovingCollider& collider, const ContactStep&
 }
 
 void LocalCloth::place_points(const std::vector<int>& points, const MovingCollider& collider,
-                              const ContactStep& step, const Points& end, MeshMemory& memory) {
+                              const ContactStep& step, const Points& end, double bound,
+                              MeshMemory& memory) {
   mesh = &memory;
   const Frame before(collider.previous()), now(collider.pose());
-  double longest2 = 0, farthest2 = 0;
   for (const int i : points) {
     const Vector3 x = row(end, i), drift = row(step.drifted, i) - collider.velocity_at(x);
     const Vector3 start = before.turn.transpose() * (row(step.start, i) - before.origin);
@@ -65,10 +65,8 @@ void LocalCloth::place_points(const std::vector<int>& points, const MovingCollid
     from.row(i) = start;
     to.row(i) = at_end;
     middle.row(i) = at_end - to_middle;
-    longest2 = std::max(longest2, (at_end - start).squaredNorm());
-    farthest2 = std::max(farthest2, at_end.squaredNorm());
   }
-  longest = std::sqrt(longest2) + collider.last_turn() * std::sqrt(farthest2);
+  longest = bound;
 }
 
 FaceQuery LocalCloth::query(std::size_t triangle, const Corners& corners) const {

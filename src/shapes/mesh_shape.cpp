@@ -23,6 +23,11 @@ struct Feature {
   }
 };
 
+bool is_nearer(double distance, const Feature& feature, double other_distance,
+               const Feature& other) {
+  return distance != other_distance ? distance < other_distance : feature.is_before(other);
+}
+
 /// Where two features are closest, and on which side of the solid's surface. The nearest pair of a
 /// triangle and a solid is a corner of the one and a face of the other, or two edges.
 class ClosestFeatures {
@@ -80,9 +85,8 @@ class ClosestFeatures {
   void add_pair(const Feature& feature, const Vector3& p, const Weights& weights,
                 const Vector3& normal) {
     const Vector3 gap = at(t_, weights) - p;
-    const double distance = gap.norm(), most = std::abs(nearest_.value);
-    if (distance > std::min(most, reach_)) return;
-    if (distance == most && !feature.is_before(nearest_feature_)) return;
+    const double distance = gap.norm();
+    if (distance > reach_ || !is_nearer(distance, feature, most(), nearest_feature_)) return;
     nearest_feature_ = feature;
     const double side = gap.dot(normal) < 0 ? -1 : 1;
     nearest_ = {side * distance,
@@ -108,8 +112,7 @@ class ClosestFeatures {
 
   void add_inside(const FaceDistance& found, const Feature& feature) {
     is_inside_ = true;
-    if (found.value < inside_.value) return;
-    if (found.value == inside_.value && !feature.is_before(inside_feature_)) return;
+    if (!is_nearer(-found.value, feature, -inside_.value, inside_feature_)) return;
     inside_ = found;
     inside_feature_ = feature;
   }
@@ -168,8 +171,8 @@ class ClosestToSheet {
   void add_pair(const Feature& feature, const Vector3& p, const Weights& weights) {
     const Vector3 gap = at(t_, weights) - p;
     const double distance = gap.norm();
-    if (distance > std::min(nearest_.value, reach_) || distance == 0) return;
-    if (distance == nearest_.value && !feature.is_before(nearest_feature_)) return;
+    if (distance > reach_ || distance == 0) return;
+    if (!is_nearer(distance, feature, nearest_.value, nearest_feature_)) return;
     nearest_ = {distance, gap / distance, weights};
     nearest_feature_ = feature;
   }
@@ -178,8 +181,7 @@ class ClosestToSheet {
   void add_exit(double depth, const Vector3& normal, const Weights& weights,
                 const Feature& feature) {
     const double value = -std::abs(depth);
-    if (value < out_.value) return;
-    if (value == out_.value && !feature.is_before(out_feature_)) return;
+    if (!is_nearer(-value, feature, -out_.value, out_feature_)) return;
     out_ = {value, depth < 0 ? Vector3(-normal) : normal, weights};
     out_feature_ = feature;
   }
@@ -209,12 +211,15 @@ FaceDistance closest_features(const Solid& solid, const Triangle& t, double reac
     closest.add_corner(i, value, normal);
   }
   double most = std::min(closest.most(), at_most);
-  if (query.surroundings) solid.look_around(t, most, *query.surroundings);
-  solid.visit_ridges(t, query.surroundings, most, [&](int i, const Solid::Ridge& ridge) {
+  // Surroundings for a reach of 0 would be of no use to the next query.
+  Solid::Surroundings* around = query.surroundings;
+  if (around && most == 0 && !around->cover(t, 0)) around = nullptr;
+  if (around) solid.look_around(t, most, *around);
+  solid.visit_ridges(t, around, most, [&](int i, const Solid::Ridge& ridge) {
     closest.add(i, ridge);
     most = std::min(most, closest.most());
   });
-  solid.visit_hits(t, query.surroundings,
+  solid.visit_hits(t, around,
                    [&](std::size_t i, const Vector3& place, int face, const Vector3& normal) {
                      closest.add_hit(i, place, face, normal);
                    });
@@ -291,11 +296,8 @@ bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach) const
 
 bool MeshShape::may_touch(const Box& box, const Triangle* t, double reach,
                           const FaceQuery& query) const {
-  const double most = reach + padding;
-  if (!is_near(file->solid, box, most)) return false;
-  if (!t) return true;
-  if (query.surroundings) file->solid.look_around(*t, most, *query.surroundings);
-  return file->solid.may_touch_ridge(*t, most, query.surroundings);
+  if (!is_near(file->solid, box, reach + padding)) return false;
+  return !t || file->solid.is_ridge_within(*t, reach + padding, query.surroundings);
 }
 
 }  // namespace clothsim

@@ -141,7 +141,7 @@ std::pair<double, Vector3> Solid::signed_distance(const Nearest& nearest) const 
 Solid::Nearest Solid::nearest_of(Neighbourhood& kept, const Vector3& point, double moved) const {
   Nearest nearest;
   const double beyond = kept.beyond - moved;
-  if (beyond <= 0) return nearest;
+  if (!(beyond > 0)) return nearest;
   std::size_t looked = 0;
   for (; looked < kept.count; ++looked) {
     const double far = kept.distances[looked] - moved;
@@ -149,7 +149,7 @@ Solid::Nearest Solid::nearest_of(Neighbourhood& kept, const Vector3& point, doub
     const Nearest one = look_at(kept.faces[looked], point);
     if (one.is_before(nearest)) nearest = one;
   }
-  if (nearest.squared >= beyond * beyond) return {};
+  if (!(nearest.squared < beyond * beyond)) return {};
   // Far from the place of the neighbourhood one triangle does not suffice.
   if (looked > 1 && moved * moved > most_moved * most_moved * nearest.squared) {
     NearestFew few;

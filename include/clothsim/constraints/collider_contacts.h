@@ -224,7 +224,7 @@ class ColliderContacts {
   void project_all(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                    Points& positions);
   /// Moves points that are in one collider out. Returns the largest displacement of a point [m].
-  double project_at(ColliderCache&, const MovingCollider&, const Cloth&, const Points& start,
+  double project_at(std::size_t number, const MovingCollider&, const Cloth&, const Points& start,
                     Points& positions);
 
   /// The same for the points of a span that need a close look. `free`: positive for points of the
@@ -238,7 +238,7 @@ class ColliderContacts {
                                         const Points& start, Points& positions);
 
   /// The same for triangles.
-  double project_faces(ColliderCache&, const MovingCollider&, const Cloth&, const Points& start,
+  double project_faces(std::size_t number, const MovingCollider&, const Cloth&, const Points& start,
                        Points& positions);
 
   ColliderCache& cache(int collider) { return caches_[static_cast<std::size_t>(collider)]; }

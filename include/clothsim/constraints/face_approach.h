@@ -44,11 +44,11 @@ struct MeasuredTriangle {
 };
 
 /// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than
-/// its corners, or may have passed through. `measured`: by triangle.
-template <class Visit>
+/// its corners, or may have passed through. Triangles that have not may be left out by
+/// is_far(triangle, corners).
+template <class IsFar, class Visit>
 void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks& blocks,
-                   const LocalCloth& local, const std::vector<MeasuredTriangle>& measured,
-                   double margin, Visit visit) {
+                   const LocalCloth& local, double margin, IsFar is_far, Visit visit) {
   const double edge = std::isinf(local.edge) ? longest_edge(local.to, cloth.triangles) : local.edge;
   const double far = margin + edge / std::sqrt(3);  // distance of the nearest corner
   const double max_displacement = longest_row(local.to - local.from);
@@ -58,9 +58,10 @@ void for_each_near(const Shape& shape, const Cloth& cloth, const TriangleBlocks&
     if (!fast && !touches_between_corners(shape, blocks.box(b, local.to), margin)) continue;
     for (std::size_t t = blocks.first_of(b); t < blocks.end_of(b); ++t) {
       const Corners& c = cloth.triangles[t];
-      const Triangle corners = triangle_of(local.to, c);
-      if (!fast && measured[t].distance_at(corners) > margin) continue;
-      if (!fast && !touches_between_corners(shape, corners, margin, local.query(t, c))) continue;
+      const bool may =
+          fast || (!is_far(t, c) && touches_between_corners(shape, triangle_of(local.to, c), margin,
+                                                            local.query(t, c)));
+      if (!may) continue;
       if (is_held_inside(cloth, c, local)) continue;
       visit(static_cast<int>(t), c);
     }

@@ -133,7 +133,7 @@ class FaceContacts {
   /// A triangle within reach.
   struct NearTriangle {
     int triangle = 0;
-    double distance = 0;        // the reach beyond it [m]
+    double distance = 0;        // a lower bound, exact where it is beside [m]
     double reached_at = 0;      // displacements at which it may reach the surface [m]
     bool is_beside = false;     // it touches from outside, neither led out nor stopped
     Triangle corners{};         // where impulses act, in the collider's frame [m]

@@ -26,7 +26,7 @@ struct LocalCloth {
   Points to;           // at its end [m]
   Points middle;       // where impulses act, as if they followed the collider from there on [m]
   Scalars distance;    // of `to` from the surface, see signed_distances() [m]
-  double longest = 0;  // path from `from` to `to`, with the turn of the frame [m]
+  double longest = 0;  // path from `from` to `to`, with the turn of the frame, at most [m]
   double edge = 0;     // bound on the edges of triangles [m]
   MeshMemory* mesh = nullptr;  // of the collider
 
@@ -34,9 +34,9 @@ struct LocalCloth {
              MeshMemory&);
   void place_middle(const MovingCollider&, const ContactStep&, const Points& end);
 
-  /// Both for some points of the cloth, without their distances; `longest` is that of these.
+  /// Both for some points of the cloth, without their distances. `bound`: on the paths of all [m].
   void place_points(const std::vector<int>& points, const MovingCollider&, const ContactStep&,
-                    const Points& end, MeshMemory&);
+                    const Points& end, double bound, MeshMemory&);
 
   /// For queries about a triangle of the cloth.
   FaceQuery query(std::size_t triangle, const Corners&) const;

@@ -114,10 +114,9 @@ class Solid {
   /// to half of `reach`.
   void look_around(const std::array<Vector3, 3>& t, double reach, Surroundings&) const;
 
-  /// May any ridge be within `reach` [m] of a triangle? Surroundings that cover it with `reach`
-  /// save the search, without an effect on the result; null: none.
-  bool may_touch_ridge(const std::array<Vector3, 3>& t, double reach,
-                       const Surroundings* surroundings) const;
+  /// Is any ridge within `reach` [m] of a triangle? `surroundings`: of an earlier place, or null;
+  /// they save the search.
+  bool is_ridge_within(const std::array<Vector3, 3>& t, double reach, Surroundings*) const;
 
   /// Calls visit(i, ridge) for the ridges that may be within `most` [m] of a triangle; `visit` may
   /// lower `most`. `surroundings`: those that cover it with `most`, or null to search all. The
