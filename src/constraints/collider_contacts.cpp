@@ -25,7 +25,7 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
   for (const Penetration& c : penetrations) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
-    if (c.depth() > safe_depth(collider.shape())) {
+    if (leaves_together(c, collider, cloth, step)) {
       escape(c, collider, cloth, step, state.positions);
     }
   }
@@ -54,10 +54,13 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     if (!collider.enabled()) {
       s.is_clear = false;
+      s.is_put_on = true;
       continue;
     }
     Penetration penetration{k, {}, {}};
     find_at(s, collider, cloth, step, speed, drift, state, penetration);
+    s.is_put_on = s.is_put_on && penetration.depth() > 0;
+    if (!s.is_put_on) s.put_on_direction.reset();
     if (!s.near.empty() || s.has_faces) result.push_back(std::move(penetration));
   }
   return result;
@@ -189,8 +192,9 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
   const bool turns = collider.last_turn() > 0 || collider.pose().orientation.coeffs() !=
                                                      s.sleep_bounds.pose().orientation.coeffs();
   const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
-  const double jumped =
-      s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
+  const double surface_jumped = s.sleep_bounds.follow(collider.previous(), radius);
+  const double jumped = surface_jumped + motion_bound_.between_steps();
+  s.is_put_on = s.is_put_on || surface_jumped >= penetration_slop;
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
   s.is_clear = s.is_clear && jumped < penetration_slop;
   s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
@@ -258,6 +262,12 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
+  memory.add(static_cast<double>(caches_.size()));
+  for (const ColliderCache& s : caches_) {
+    memory.add(s.is_put_on);
+    memory.add(s.put_on_direction.has_value());
+    if (s.put_on_direction) memory.add(*s.put_on_direction);
+  }
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
   memory.add(recovery_duration_);
@@ -276,6 +286,11 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
+  const int known = memory.index(colliders + 1);
+  for (int k = 0; k < known; ++k) {
+    cache(k).is_put_on = memory.index(2) == 1;
+    if (memory.index(2) == 1) cache(k).put_on_direction = memory.vector().stableNormalized();
+  }
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
   recovery_duration_ = std::max(0.0, memory.number());

@@ -61,6 +61,13 @@ double depth_before(const Shape& shape, const Vector3& from) {
   return std::min(0.0, signed_distance(shape, from, from).value);
 }
 
+/// Cloth that lies less deep in a collider leaves it by the nearest surface everywhere [m].
+constexpr double put_on_depth = 10 * penetration_slop;
+
+/// Cloth leaves a collider that was put on it at the speed of its depth / put_on_time [s]. In half
+/// of the time stiff cloth is thrown twice as fast.
+constexpr double put_on_time = 0.1;
+
 /// Direction in which a piece of cloth with the points `held` leaves a solid about the origin:
 /// normal to the piece, away from the predicted middle of the piece. On its way out it does not
 /// turn back as the middle passes through. `displacements`: displacements of points in a step of h
@@ -228,6 +235,33 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
   }
 }
 
+bool ColliderContacts::leaves_together(const Penetration& penetration,
+                                       const MovingCollider& collider, const Cloth& cloth,
+                                       const ContactStep& step) {
+  if (penetration.depth() > safe_depth(collider.shape())) return true;
+  if (!cache(penetration.collider).is_put_on || penetration.depth() <= put_on_depth) return false;
+  // Cloth that is held inside cannot leave.
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (cloth.inv_mass[i] > 0) continue;
+    const Vector3 x = to_local(collider.previous(), row(step.start, i));
+    if (signed_distance(collider.shape(), x, x).value < 0) return false;
+  }
+  return true;
+}
+
+bool ColliderContacts::is_blocked(const ColliderCache& s, const Vector3& direction) const {
+  constexpr double opposite = -0.5;  // cosine of the angle to a normal that blocks
+  bool blocked = false;
+  for (const ColliderCache& other : caches_) {
+    if (&other == &s) continue;
+    other.slots.for_each_with_impulse([&](int point, const ContactImpulse& impulse) {
+      blocked = blocked || (s.leaves[static_cast<std::size_t>(point)] &&
+                            impulse.normal.dot(direction) < opposite);
+    });
+  }
+  return blocked;
+}
+
 void ColliderContacts::escape(const Penetration& penetration, const MovingCollider& collider,
                               const Cloth& cloth, const ContactStep& step,
                               const Points& positions) {
@@ -240,14 +274,23 @@ void ColliderContacts::escape(const Penetration& penetration, const MovingCollid
     }
   }
   local_.place(collider, cloth, step.start, positions, s.mesh);
-  s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   s.is_close = true;
+  s.exit_direction = s.put_on_direction;
+  if (!s.exit_direction) {
+    s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
+  }
+  if (s.is_put_on && !s.put_on_direction) {
+    if (is_blocked(s, collider.pose().orientation * *s.exit_direction)) *s.exit_direction *= -1;
+    s.put_on_direction = s.exit_direction;
+  }
+  const Vector3 direction = collider.pose().orientation * *s.exit_direction;
 
   // All its points leave that way, those outside too.
-  const Vector3 direction = collider.pose().orientation * *s.exit_direction;
   const bool is_body =
       step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
-  const double speed = is_body ? 0 : step.recovery_factor * recovery_speed;
+  s.exit_speed =
+      s.is_put_on ? std::min(recovery_speed, penetration.depth() / put_on_time) : recovery_speed;
+  const double speed = is_body ? 0 : step.recovery_factor * s.exit_speed;
   for (int i = 0; i < cloth.num_points(); ++i) {
     if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
     s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);
@@ -286,7 +329,7 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.exit_direction && s.leaves[static_cast<std::size_t>(i)]) {
     const double advance = s.exit_direction->dot(to - from);
-    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - advance) * *s.exit_direction;
+    to += std::max(0.0, recovery_factor_ * s.exit_speed * h_ - advance) * *s.exit_direction;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;

@@ -31,9 +31,10 @@ namespace clothsim {
 /// and continues along the surface. Edges and faces have contacts too where contacts of points
 /// alone would let a shape enter triangles.
 ///
-/// If a collider is placed on cloth, the cloth leaves it at recovery_speed at most: by the nearest
-/// way if the cloth is not deep inside, else all of it in one direction, and ever more slowly where
-/// pins hold it inside. Points that two colliders leave no room are held between them.
+/// Cloth in a collider leaves it at recovery_speed at most, and ever more slowly where pins hold it
+/// inside: by the nearest way; but all of it in one direction if it is deep inside, or if the
+/// collider was put on it or turned on there. Points that two colliders leave no room are held
+/// between them.
 class ColliderContacts {
  public:
   /// Detects the contacts after a step from step.start to state, and warm-starts their impulses.
@@ -135,9 +136,12 @@ class ColliderContacts {
     bool has_faces = false;  // whether triangles may touch it in this step
     bool is_clear = false;   // no free point was in it as the last step ended
     bool is_close = false;   // whether this step checks its points one by one
+    bool is_put_on = true;   // turned on or put where the cloth is, which has not left it since
     /// Common direction in which points leave it, own frame, unit.
     std::optional<Vector3> exit_direction;
-    std::vector<char> leaves;  // by point: it leaves along exit_direction
+    double exit_speed = 0;                    // along it [m/s]
+    std::optional<Vector3> put_on_direction;  // in which the cloth leaves it while it is_put_on
+    std::vector<char> leaves;                 // by point: it leaves along exit_direction
     MeshMemory mesh;
 
     MeshQuery query(const MovingCollider&, const Cloth&, double near);
@@ -214,7 +218,15 @@ class ColliderContacts {
   Touched touched_by(int number, const Cloth&, const Points& positions);
   ContactManifold manifold_of(int number, const MovingCollider&, const Cloth&);
 
-  /// Sets one common direction in which the points of a deep penetration leave a collider.
+  /// Do the points of a penetration leave in one common direction? Those of a deep one do, as their
+  /// nearest surface may be the far one, and those in a collider that was put on them, as
+  /// neighbours that leave by different sides would be stretched around it.
+  bool leaves_together(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&);
+
+  /// Does another collider bear on points that leave one in this direction?
+  bool is_blocked(const ColliderCache&, const Vector3& direction) const;
+
+  /// Sets the common direction in which the points of a penetration leave a collider.
   void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
               const Points& positions);
 
