@@ -25,9 +25,15 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
   for (const Penetration& c : penetrations) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
-    if (leaves_together(c, collider, cloth, step)) {
-      escape(c, collider, cloth, step, state.positions);
+    cache(c.collider).is_inside = c.depth() > 0;
+    if (is_left_together(c, collider, cloth, step)) {
+      leave_together(c, colliders, cloth, step, state.positions);
     }
+  }
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    if (!colliders[k].enabled() || caches_[k].is_inside) continue;
+    caches_[k].is_put_on = false;
+    caches_[k].put_on_direction.reset();
   }
   recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));
 
@@ -51,16 +57,16 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     s.exit_direction.reset();
     s.near.clear();
     s.has_faces = false;
+    s.is_inside = false;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     if (!collider.enabled()) {
       s.is_clear = false;
       s.is_put_on = true;
+      s.put_on_direction.reset();
       continue;
     }
     Penetration penetration{k, {}, {}};
     find_at(s, collider, cloth, step, speed, drift, state, penetration);
-    s.is_put_on = s.is_put_on && penetration.depth() > 0;
-    if (!s.is_put_on) s.put_on_direction.reset();
     if (!s.near.empty() || s.has_faces) result.push_back(std::move(penetration));
   }
   return result;
@@ -194,7 +200,9 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
   const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
   const double surface_jumped = s.sleep_bounds.follow(collider.previous(), radius);
   const double jumped = surface_jumped + motion_bound_.between_steps();
-  s.is_put_on = s.is_put_on || surface_jumped >= penetration_slop;
+  // Infinite: not followed before, as after a restore.
+  const bool has_jumped = surface_jumped >= penetration_slop && std::isfinite(surface_jumped);
+  s.is_put_on = s.is_put_on || has_jumped;
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
   s.is_clear = s.is_clear && jumped < penetration_slop;
   s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
@@ -289,7 +297,10 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
   const int known = memory.index(colliders + 1);
   for (int k = 0; k < known; ++k) {
     cache(k).is_put_on = memory.index(2) == 1;
-    if (memory.index(2) == 1) cache(k).put_on_direction = memory.vector().stableNormalized();
+    if (memory.index(2) == 0) continue;
+    const Vector3 direction = memory.vector();
+    constexpr double rounding = 1e-9;
+    if (std::abs(direction.norm() - 1) < rounding) cache(k).put_on_direction = direction;
   }
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;

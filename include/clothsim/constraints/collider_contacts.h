@@ -117,8 +117,8 @@ class ColliderContacts {
   /// Forgets the impulses, the distances of earlier steps, the pinches and the time of recovery.
   void reset();
 
-  /// The impulses, for the given numbers of colliders and points. `read` throws InvalidValue for
-  /// data that is not from `write`.
+  /// The impulses and the ways out of colliders, for the given numbers of colliders and points.
+  /// `read` throws InvalidValue for data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
@@ -137,10 +137,11 @@ class ColliderContacts {
     bool is_clear = false;   // no free point was in it as the last step ended
     bool is_close = false;   // whether this step checks its points one by one
     bool is_put_on = true;   // turned on or put where the cloth is, which has not left it since
+    bool is_inside = false;  // cloth was in it when this step began, and is not pinched
     /// Common direction in which points leave it, own frame, unit.
     std::optional<Vector3> exit_direction;
-    double exit_speed = 0;                    // along it [m/s]
-    std::optional<Vector3> put_on_direction;  // in which the cloth leaves it while it is_put_on
+    double leaving_speed = 0;                 // along it [m/s]
+    std::optional<Vector3> put_on_direction;  // the same while it is_put_on, in the world
     std::vector<char> leaves;                 // by point: it leaves along exit_direction
     MeshMemory mesh;
 
@@ -221,14 +222,17 @@ class ColliderContacts {
   /// Do the points of a penetration leave in one common direction? Those of a deep one do, as their
   /// nearest surface may be the far one, and those in a collider that was put on them, as
   /// neighbours that leave by different sides would be stretched around it.
-  bool leaves_together(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&);
+  bool is_left_together(const Penetration&, const MovingCollider&, const Cloth&,
+                        const ContactStep&);
 
-  /// Does another collider bear on points that leave one in this direction?
-  bool is_blocked(const ColliderCache&, const Vector3& direction) const;
+  /// Does another collider touch points that leave the collider `left`, against the direction?
+  bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Points& positions,
+                  const Vector3& direction) const;
 
-  /// Sets the common direction in which the points of a penetration leave a collider.
-  void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
-              const Points& positions);
+  /// Sets the common direction in which the points of a penetration leave a collider, if they have
+  /// one.
+  void leave_together(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
+                      const ContactStep&, const Points& positions);
 
   /// Points in a collider have been moved out by `distance` [m] at most.
   void moved_out(std::size_t collider, double distance);
