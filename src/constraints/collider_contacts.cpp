@@ -25,15 +25,9 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
   for (const Penetration& c : penetrations) {
     const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
-    cache(c.collider).is_inside = c.depth() > 0;
-    if (is_left_together(c, collider, cloth, step)) {
-      leave_together(c, colliders, cloth, step, state.positions);
+    if (c.depth() > safe_depth(collider.shape())) {
+      escape(c, collider, cloth, step, state.positions);
     }
-  }
-  for (std::size_t k = 0; k < caches_.size(); ++k) {
-    if (!colliders[k].enabled() || caches_[k].is_inside) continue;
-    caches_[k].is_put_on = false;
-    caches_[k].put_on_direction.reset();
   }
   recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));
 
@@ -57,12 +51,9 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     s.exit_direction.reset();
     s.near.clear();
     s.has_faces = false;
-    s.is_inside = false;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     if (!collider.enabled()) {
       s.is_clear = false;
-      s.is_put_on = true;
-      s.put_on_direction.reset();
       continue;
     }
     Penetration penetration{k, {}, {}};
@@ -198,11 +189,8 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
   const bool turns = collider.last_turn() > 0 || collider.pose().orientation.coeffs() !=
                                                      s.sleep_bounds.pose().orientation.coeffs();
   const double radius = turns ? farthest_from(collider.pose().position, positions) : 0;
-  const double surface_jumped = s.sleep_bounds.follow(collider.previous(), radius);
-  const double jumped = surface_jumped + motion_bound_.between_steps();
-  // Infinite: not followed before, as after a restore.
-  const bool has_jumped = surface_jumped >= penetration_slop && std::isfinite(surface_jumped);
-  s.is_put_on = s.is_put_on || has_jumped;
+  const double jumped =
+      s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
   s.is_clear = s.is_clear && jumped < penetration_slop;
   s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
@@ -270,12 +258,6 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
-  memory.add(static_cast<double>(caches_.size()));
-  for (const ColliderCache& s : caches_) {
-    memory.add(s.is_put_on);
-    memory.add(s.put_on_direction.has_value());
-    if (s.put_on_direction) memory.add(*s.put_on_direction);
-  }
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
   memory.add(recovery_duration_);
@@ -294,14 +276,6 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
-  const int known = memory.index(colliders + 1);
-  for (int k = 0; k < known; ++k) {
-    cache(k).is_put_on = memory.index(2) == 1;
-    if (memory.index(2) == 0) continue;
-    const Vector3 direction = memory.vector();
-    constexpr double rounding = 1e-9;
-    if (std::abs(direction.norm() - 1) < rounding) cache(k).put_on_direction = direction;
-  }
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
   recovery_duration_ = std::max(0.0, memory.number());

@@ -61,6 +61,29 @@ double depth_before(const Shape& shape, const Vector3& from) {
   return std::min(0.0, signed_distance(shape, from, from).value);
 }
 
+/// Direction in which a piece of cloth with the points `held` leaves a solid about the origin:
+/// normal to the piece, away from the predicted middle of the piece. On its way out it does not
+/// turn back as the middle passes through. `displacements`: displacements of points in a step of h
+/// [s].
+Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& displacements,
+                      double h, const std::vector<char>& held) {
+  Vector3 normal(0, 0, 0), middle(0, 0, 0);
+  for (const auto& [a, b, c] : cloth.triangles) {
+    if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
+        !held[static_cast<std::size_t>(c)]) {
+      continue;
+    }
+    normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
+  }
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (!held[static_cast<std::size_t>(i)]) continue;
+    middle += row(points, i) + recovery_time / h * row(displacements, i);
+  }
+  if (normal.norm() == 0) normal = middle;
+  if (normal.norm() == 0) normal = Vector3::UnitZ();
+  return (normal.dot(middle) < 0 ? -1 : 1) * normal.normalized();
+}
+
 }  // namespace
 
 double ColliderContacts::Penetration::depth() const {
@@ -205,6 +228,35 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
   }
 }
 
+void ColliderContacts::escape(const Penetration& penetration, const MovingCollider& collider,
+                              const Cloth& cloth, const ContactStep& step,
+                              const Points& positions) {
+  ColliderCache& s = cache(penetration.collider);
+  s.leaves.assign(static_cast<std::size_t>(cloth.num_points()), 0);
+  for (const auto& point : penetration.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
+  for (const PenetratingFace& face : penetration.faces) {
+    for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
+      s.leaves[static_cast<std::size_t>(i)] = 1;
+    }
+  }
+  local_.place(collider, cloth, step.start, positions, s.mesh);
+  s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
+  s.is_close = true;
+
+  // All its points leave that way, those outside too.
+  const Vector3 direction = collider.pose().orientation * *s.exit_direction;
+  const bool is_body =
+      step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
+  const double speed = is_body ? 0 : step.recovery_factor * recovery_speed;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
+    s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);
+  }
+  for (const PenetratingFace& face : penetration.faces) {
+    faces_.redirect(face.contact, direction, speed);
+  }
+}
+
 double ColliderContacts::project_closely(ColliderCache& s, const Span& span,
                                          const ContactSlots::Detector& detector, const Cloth& cloth,
                                          const Points& start, Points& positions, double* free) {
@@ -234,7 +286,7 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.exit_direction && s.leaves[static_cast<std::size_t>(i)]) {
     const double advance = s.exit_direction->dot(to - from);
-    to += std::max(0.0, recovery_factor_ * s.leaving_speed * h_ - advance) * *s.exit_direction;
+    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - advance) * *s.exit_direction;
   } else {
     const double before = depth_before(collider.shape(), from);
     if (!entry && before == 0) return std::nullopt;

@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Increases when the numbers that make up a memory change.
-enum { memory_version = 17 };
+enum { memory_version = 16 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";

@@ -31,10 +31,9 @@ namespace clothsim {
 /// and continues along the surface. Edges and faces have contacts too where contacts of points
 /// alone would let a shape enter triangles.
 ///
-/// Cloth in a collider leaves it at recovery_speed at most, and ever more slowly where pins hold it
-/// inside: by the nearest way; but all of it in one direction if it is deep inside, or if the
-/// collider was put on it or turned on there. Points that two colliders leave no room are held
-/// between them.
+/// If a collider is placed on cloth, the cloth leaves it at recovery_speed at most: by the nearest
+/// way if the cloth is not deep inside, else all of it in one direction, and ever more slowly where
+/// pins hold it inside. Points that two colliders leave no room are held between them.
 class ColliderContacts {
  public:
   /// Detects the contacts after a step from step.start to state, and warm-starts their impulses.
@@ -117,8 +116,8 @@ class ColliderContacts {
   /// Forgets the impulses, the distances of earlier steps, the pinches and the time of recovery.
   void reset();
 
-  /// The impulses and the ways out of colliders, for the given numbers of colliders and points.
-  /// `read` throws InvalidValue for data that is not from `write`.
+  /// The impulses, for the given numbers of colliders and points. `read` throws InvalidValue for
+  /// data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
@@ -136,13 +135,9 @@ class ColliderContacts {
     bool has_faces = false;  // whether triangles may touch it in this step
     bool is_clear = false;   // no free point was in it as the last step ended
     bool is_close = false;   // whether this step checks its points one by one
-    bool is_put_on = true;   // turned on or put where the cloth is, which has not left it since
-    bool is_inside = false;  // cloth was in it when this step began, and is not pinched
     /// Common direction in which points leave it, own frame, unit.
     std::optional<Vector3> exit_direction;
-    double leaving_speed = 0;                 // along it [m/s]
-    std::optional<Vector3> put_on_direction;  // the same while it is_put_on, in the world
-    std::vector<char> leaves;                 // by point: it leaves along exit_direction
+    std::vector<char> leaves;  // by point: it leaves along exit_direction
     MeshMemory mesh;
 
     MeshQuery query(const MovingCollider&, const Cloth&, double near);
@@ -219,20 +214,9 @@ class ColliderContacts {
   Touched touched_by(int number, const Cloth&, const Points& positions);
   ContactManifold manifold_of(int number, const MovingCollider&, const Cloth&);
 
-  /// Do the points of a penetration leave in one common direction? Those of a deep one do, as their
-  /// nearest surface may be the far one, and those in a collider that was put on them, as
-  /// neighbours that leave by different sides would be stretched around it.
-  bool is_left_together(const Penetration&, const MovingCollider&, const Cloth&,
-                        const ContactStep&);
-
-  /// Does another collider touch points that leave the collider `left`, against the direction?
-  bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Points& positions,
-                  const Vector3& direction) const;
-
-  /// Sets the common direction in which the points of a penetration leave a collider, if they have
-  /// one.
-  void leave_together(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
-                      const ContactStep&, const Points& positions);
+  /// Sets one common direction in which the points of a deep penetration leave a collider.
+  void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
+              const Points& positions);
 
   /// Points in a collider have been moved out by `distance` [m] at most.
   void moved_out(std::size_t collider, double distance);
