@@ -11,8 +11,8 @@ namespace clothsim {
 namespace {
 
 /// A feature of a triangle and a solid: a corner of the triangle, a ridge or a face of the solid.
-/// Of two at the same distance the first counts, so that no result depends on the order of the
-/// search.
+/// If two are at the same distance, the first in this order counts, so that no result depends on
+/// the order of the search.
 struct Feature {
   enum Kind { corner, ridge, face };
   Kind kind = corner;

@@ -53,7 +53,7 @@ class Solid {
     double angle;  // between its two faces' normals [rad]
   };
 
-  /// More than 1 by more than the rounding of a distance.
+  /// Factor on a distance beyond which another one is larger, not only rounded up.
   static constexpr double beyond_rounding = 1 + 1e-6;
 
   /// Vertices at one place become one. Throws InvalidValue, without a key, unless the surface is
