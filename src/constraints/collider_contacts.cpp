@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/model/checks.h"
 #include "clothsim/model/surface.h"
 
 namespace clothsim {
@@ -21,13 +22,12 @@ void ColliderContacts::prepare(const std::vector<MovingCollider>& colliders, con
   if (colliders.empty()) return;
 
   std::vector<Penetration> penetrations = find(colliders, cloth, step, state);
+  choose_exits(penetrations, colliders, cloth, step, state.positions);
   if (penetrations.size() > 1) find_pinched(colliders, cloth, step, penetrations);
   for (const Penetration& c : penetrations) {
-    const MovingCollider& collider = colliders[static_cast<std::size_t>(c.collider)];
     recovers_ = recovers_ || c.depth() > 0;
-    if (c.depth() > safe_depth(collider.shape())) {
-      escape(c, collider, cloth, step, state.positions);
-    }
+    leave_together(c, colliders[static_cast<std::size_t>(c.collider)], cloth, step,
+                   state.positions);
   }
   recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));
 
@@ -54,6 +54,7 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     if (!collider.enabled()) {
       s.is_clear = false;
+      s.exit = {};
       continue;
     }
     Penetration penetration{k, {}, {}};
@@ -128,7 +129,11 @@ void ColliderContacts::find_points(ColliderCache& s, const MovingCollider& colli
   }
 }
 
-bool ColliderContacts::is_settled() const { return !recovers_ && pinches_.count() == 0; }
+bool ColliderContacts::is_settled() const {
+  return !recovers_ && pinches_.count() == 0 &&
+         std::none_of(caches_.begin(), caches_.end(),
+                      [](const ColliderCache& s) { return s.exit.is_together(); });
+}
 
 void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                const ContactStep& step, State& state) {
@@ -193,7 +198,8 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
       s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
   s.is_clear = s.is_clear && jumped < penetration_slop;
-  s.is_close = !s.is_clear || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
+  s.is_close = !s.is_clear || s.exit.is_together() ||
+               motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
 }
 
 bool ColliderContacts::is_near_faces(const ColliderCache& s, const Clearance& keeps,
@@ -233,6 +239,22 @@ int ColliderContacts::count() const {
   return points + faces_.count() + pinches_.count();
 }
 
+void ColliderContacts::put_on(std::size_t collider) {
+  if (collider >= caches_.size()) caches_.resize(collider + 1);
+  caches_[collider].exit = {ColliderExit::Way::undecided};
+}
+
+std::vector<ColliderExit> ColliderContacts::exits() const {
+  std::vector<ColliderExit> exits;
+  for (const ColliderCache& s : caches_) exits.push_back(s.exit);
+  return exits;
+}
+
+void ColliderContacts::set_exits(const std::vector<ColliderExit>& exits) {
+  caches_.resize(std::max(caches_.size(), exits.size()));
+  for (std::size_t k = 0; k < exits.size(); ++k) caches_[k].exit = exits[k];
+}
+
 void ColliderContacts::reset() {
   caches_.clear();
   motion_bound_ = {};
@@ -258,6 +280,14 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
+  memory.add(static_cast<double>(caches_.size()));
+  for (const ColliderCache& s : caches_) {
+    memory.add(static_cast<int>(s.exit.way));
+    if (!s.exit.is_together()) continue;
+    memory.add(s.exit.velocity);
+    memory.add(s.exit.has_turned_back);
+    memory.add(s.exit.lags);
+  }
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
   memory.add(recovery_duration_);
@@ -276,6 +306,20 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
+  const int known = memory.index(colliders + 1);
+  for (int k = 0; k < known; ++k) {
+    ColliderExit& exit = cache(k).exit;
+    exit.way = static_cast<ColliderExit::Way>(memory.index(3));
+    if (!exit.is_together()) continue;
+    exit.velocity = memory.vector();
+    const double speed = exit.velocity.norm();
+    if (!(speed > 0 && speed < 2 * recovery_speed)) {
+      throw InvalidValue({"memory"}, "cloth that leaves a collider at " + to_text(speed) + " m/s",
+                         "a speed above 0 and of at most " + to_text(recovery_speed) + " m/s");
+    }
+    exit.has_turned_back = memory.index(2) == 1;
+    exit.lags = memory.index(2) == 1;
+  }
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
   recovery_duration_ = std::max(0.0, memory.number());

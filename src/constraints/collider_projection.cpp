@@ -83,6 +83,7 @@ double ColliderContacts::project_at(std::size_t number, const MovingCollider& co
   s.sleep_bounds.find_near(motion_bound_.total(), 2 * keeps.points, s.inside);
   s.is_close = s.is_close || motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
   s.is_clear = pinches_.count() == 0;
+  s.exit.lags = false;
   const ContactSlots::Detector detector(collider, cloth, keeps.points,
                                         s.query(collider, cloth, 2 * keeps.points));
   double longest = 0;

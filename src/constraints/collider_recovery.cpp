@@ -1,5 +1,5 @@
-// Rare cases of contact, point by point: steps that may have taken a point through a shape, shapes
-// that were put upon the cloth, and pairs of shapes that leave no room.
+// Rare cases of contact, point by point: steps that may have taken a point through a shape, points
+// in a shape, and pairs of shapes that leave no room.
 
 #include <algorithm>
 #include <cmath>
@@ -59,29 +59,6 @@ std::optional<Entry> swept_entry(const MovingCollider& collider, const Vector3& 
 /// Distance of a point from the surface at the step's start, 0 where it was outside [m].
 double depth_before(const Shape& shape, const Vector3& from) {
   return std::min(0.0, signed_distance(shape, from, from).value);
-}
-
-/// Direction in which a piece of cloth with the points `held` leaves a solid about the origin:
-/// normal to the piece, away from the predicted middle of the piece. On its way out it does not
-/// turn back as the middle passes through. `displacements`: displacements of points in a step of h
-/// [s].
-Vector3 direction_out(const Cloth& cloth, const Points& points, const Points& displacements,
-                      double h, const std::vector<char>& held) {
-  Vector3 normal(0, 0, 0), middle(0, 0, 0);
-  for (const auto& [a, b, c] : cloth.triangles) {
-    if (!held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)] &&
-        !held[static_cast<std::size_t>(c)]) {
-      continue;
-    }
-    normal += (row(points, b) - row(points, a)).cross(row(points, c) - row(points, a));
-  }
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (!held[static_cast<std::size_t>(i)]) continue;
-    middle += row(points, i) + recovery_time / h * row(displacements, i);
-  }
-  if (normal.norm() == 0) normal = middle;
-  if (normal.norm() == 0) normal = Vector3::UnitZ();
-  return (normal.dot(middle) < 0 ? -1 : 1) * normal.normalized();
 }
 
 }  // namespace
@@ -190,6 +167,9 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
     return step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetrations[k].collider));
   };
   std::map<std::size_t, ContactManifold> manifolds;  // of those that face another collider
+  const auto is_left = [&](std::size_t k) {
+    return cache(penetrations[k].collider).exit.is_together();
+  };
   const auto manifold = [&](std::size_t k) -> const ContactManifold& {
     const int number = penetrations[k].collider;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(number)];
@@ -199,6 +179,7 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
   for (std::size_t l = 1; l < penetrations.size(); ++l) {
     for (std::size_t k = l; k-- > 0;) {
       if (is_body(k) || is_body(l) || !can_hold(touched[k], touched[l])) continue;
+      if (is_left(k) || is_left(l)) continue;
       stacks_.pinch(manifold(k), manifold(l), cloth, step.start, step.h, step.touches, pinches_);
     }
   }
@@ -225,35 +206,6 @@ void ColliderContacts::find_pinched(const std::vector<MovingCollider>& colliders
     drop(c.faces, [&](const PenetratingFace& f) {
       return pinches_.holds_any(cloth.triangles[static_cast<std::size_t>(f.triangle)]);
     });
-  }
-}
-
-void ColliderContacts::escape(const Penetration& penetration, const MovingCollider& collider,
-                              const Cloth& cloth, const ContactStep& step,
-                              const Points& positions) {
-  ColliderCache& s = cache(penetration.collider);
-  s.leaves.assign(static_cast<std::size_t>(cloth.num_points()), 0);
-  for (const auto& point : penetration.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
-  for (const PenetratingFace& face : penetration.faces) {
-    for (const int i : cloth.triangles[static_cast<std::size_t>(face.triangle)]) {
-      s.leaves[static_cast<std::size_t>(i)] = 1;
-    }
-  }
-  local_.place(collider, cloth, step.start, positions, s.mesh);
-  s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
-  s.is_close = true;
-
-  // All its points leave that way, those outside too.
-  const Vector3 direction = collider.pose().orientation * *s.exit_direction;
-  const bool is_body =
-      step.bodies && step.bodies->is_body(static_cast<std::size_t>(penetration.collider));
-  const double speed = is_body ? 0 : step.recovery_factor * recovery_speed;
-  for (int i = 0; i < cloth.num_points(); ++i) {
-    if (!s.leaves[static_cast<std::size_t>(i)] || cloth.inv_mass[i] == 0) continue;
-    s.slots.put(i, direction, collider.velocity_at(row(positions, i)), speed);
-  }
-  for (const PenetratingFace& face : penetration.faces) {
-    faces_.redirect(face.contact, direction, speed);
   }
 }
 
@@ -286,12 +238,16 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
   const Distance d = signed_distance(collider.shape(), to, from);
   if (s.exit_direction && s.leaves[static_cast<std::size_t>(i)]) {
     const double advance = s.exit_direction->dot(to - from);
-    to += std::max(0.0, recovery_factor_ * recovery_speed * h_ - advance) * *s.exit_direction;
+    to += std::max(0.0, recovery_factor_ * s.exit_speed * h_ - advance) * *s.exit_direction;
   } else {
-    const double before = depth_before(collider.shape(), from);
-    if (!entry && before == 0) return std::nullopt;
-    to += std::max(0.0, required_distance(before, offset, recovery_factor_ * h_) - d.value) *
-          d.normal;
+    const double before = signed_distance(collider.shape(), from, from).value;
+    const bool leaves = before < 0 || s.exit.is_together();
+    if (!entry && !leaves) return std::nullopt;
+    const double speed = s.exit.is_together() ? s.exit.velocity.norm() : recovery_speed;
+    const double required =
+        leaves ? required_distance(before, offset, recovery_factor_ * speed * h_) : offset;
+    s.exit.lags = s.exit.lags || (s.exit.is_together() && required < offset);
+    to += std::max(0.0, required - d.value) * d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= penetration_slop;

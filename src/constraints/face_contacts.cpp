@@ -151,12 +151,12 @@ void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, Measured
 
   for (std::size_t i = 0; i < features; ++i) {
     if (!near.touching[i]) continue;
+    const FaceDistance& distance = *near.touching[i];
     const std::uint64_t key = key_of(number, near.triangle, i);
     const std::size_t before = places_.size();
-    add(at, key, last.of(key), *near.touching[i], found.swept, -found.before);
-    if (found.before < 0 && places_.size() > before) {
-      penetrating_faces.push_back({near.triangle, before, -found.before});
-    }
+    add(at, key, last.of(key), distance, found.swept, -found.before);
+    if (found.before < 0 && places_.size() > before)
+      penetrating_faces.push_back({near.triangle, before, -found.before, distance.weights});
   }
 }
 
@@ -316,8 +316,9 @@ void FaceContacts::project_positions(int number, const MovingCollider& collider,
       const double inv_effective_mass = inv_effective_mass_of(weights, moves);
       if (inv_effective_mass == 0) return;
       const double in_reach = lever_of(cloth, corners, weights) * h;
-      const double wanted =
-          found.before < 0 ? required_distance(found.before, keeps, in_reach) : raised(now, keeps);
+      const double wanted = found.before < 0
+                                ? required_distance(found.before, keeps, recovery_speed * in_reach)
+                                : raised(now, keeps);
       const bool must = now < wanted - penetration_slop;  // others may move it out, too
       if (!must && (pass > 1 || now >= keeps)) return;
       spread(corners, moves, (wanted - now) / inv_effective_mass * found.distance->normal,

@@ -7,6 +7,9 @@
 namespace clothsim {
 namespace {
 
+/// Most steps of a search by secants: beside a kink bisection is faster.
+constexpr int max_secants = 20;
+
 /// A place on an edge, and its distance.
 struct OnEdge {
   double s;  // from corner i to i + 1
@@ -24,7 +27,6 @@ Distance distance_at(const Cylinder& cylinder, const Vector3& p) {
 std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, const Distance& at_a,
                                   const Vector3& b, const Distance& at_b, double limit) {
   constexpr double precise = 1e-12;  // share of the edge
-  constexpr int max_secants = 20;    // beside a kink bisection is faster
   const Vector3 along = b - a;
   const auto slope = [&](const OnEdge& x) { return x.distance.normal.dot(along); };
   OnEdge low{0, at_a}, high{1, at_b};
@@ -95,8 +97,29 @@ bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3&
 }
 
 /// Directions around an edge at which the search for the shortest way out starts: the length of the
-/// way is the support function of the cylinder's shadow along the edge, with up to four minima.
+/// way is a support function in the plane across the edge, with up to four minima.
 constexpr int tried = 24;
+
+/// Cosines and sines of the angles of these directions.
+const std::array<Eigen::Vector2d, tried>& tried_directions() {
+  static const auto directions = [] {
+    std::array<Eigen::Vector2d, tried> result;
+    for (int k = 0; k < tried; ++k) {
+      const double angle = 2 * M_PI * k / tried;
+      result[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+    }
+    return result;
+  }();
+  return directions;
+}
+
+/// A direction, unit, and the point that lies farthest along it of all vectors from the triangle to
+/// the cylinder: a triangle that moves out that way moves by their product.
+struct Way {
+  Vector3 out, farthest;
+
+  double length() const { return farthest.dot(out); }
+};
 
 class CylinderExit {
  public:
@@ -104,7 +127,7 @@ class CylinderExit {
 
   /// `on`: an edge perpendicular to `out`, if any.
   void add(const Vector3& out, std::optional<std::size_t> on) {
-    const double depth = length(out);
+    const double depth = way(out).length();
     if (depth >= exit_.shortest().value) return;
     const std::size_t low = lowest(t_, out);
     Weights weights = corner(low);
@@ -123,52 +146,51 @@ class CylinderExit {
   void add_across(std::size_t i) {
     const Vector3 e = edge(t_, i);
     if (e.isZero(0)) return;
-    const Vector3 u = e.unitOrthogonal(), v = e.normalized().cross(u);
-    const auto out = [&](double angle) {
-      return Vector3(std::cos(angle) * u + std::sin(angle) * v);
-    };
-    double depths[tried];
-    const auto angle = [](int k) { return 2 * M_PI * k / tried; };
-    for (int k = 0; k < tried; ++k) depths[k] = length(out(angle(k)));
-    for (int k = 0; k < tried; ++k) {
-      if (depths[k] > depths[(k + 1) % tried] || depths[k] > depths[(k + tried - 1) % tried])
-        continue;
-      add(out(min_between(angle(k - 1), angle(k + 1), out)), i);
+    const Vector3 axis = e.normalized(), u = axis.unitOrthogonal(), v = axis.cross(u);
+    std::array<Way, tried> ways;
+    std::transform(tried_directions().begin(), tried_directions().end(), ways.begin(),
+                   [&](const auto& d) { return way(d[0] * u + d[1] * v); });
+    for (std::size_t k = 0; k < tried; ++k) {
+      const Way &before = ways[(k + tried - 1) % tried], &after = ways[(k + 1) % tried];
+      const Way& here = ways[k];
+      if (here.length() > after.length() || here.length() > before.length()) continue;
+      // No way between both is shorter than one of them to this point.
+      const double bound = std::min(here.farthest.dot(before.out), here.farthest.dot(after.out));
+      if (bound < exit_.shortest().value) add(shortest_between(before, here, after, axis), i);
     }
   }
 
   const FaceDistance& shortest() const { return exit_.shortest(); }
 
  private:
-  /// Length of the way out along `out` [m].
-  double length(const Vector3& out) const {
-    const double across = std::hypot(out.x(), out.y());
-    return cylinder_.radius * across + cylinder_.length / 2 * std::abs(out.z()) -
-           out.dot(t_[lowest(t_, out)]);
-  }
+  Way way(const Vector3& out) const { return {out, support(cylinder_, out) - t_[lowest(t_, out)]}; }
 
-  /// Golden section search, until both ends count as parallel.
-  template <class Direction>
-  double min_between(double low, double high, const Direction& out) const {
-    const double section = (std::sqrt(5.0) - 1) / 2;
-    double a = high - section * (high - low), b = low + section * (high - low);
-    double at_a = length(out(a)), at_b = length(out(b));
-    while (high - low > std::sqrt(parallel)) {
-      if (at_a < at_b) {
-        high = b;
-        b = a;
-        at_b = at_a;
-        a = high - section * (high - low);
-        at_a = length(out(a));
-      } else {
-        low = a;
-        a = b;
-        at_a = at_b;
-        b = low + section * (high - low);
-        at_b = length(out(b));
+  /// The direction of the shortest way among those that turn about `axis` from `low` to `high`,
+  /// between which `middle` is shorter than both. The length is the greatest of the products of
+  /// the direction with all points, and has its minimum where two of them are equal, or where its
+  /// slope is 0. By turns the products of both ends' points lead to the former, and their secant
+  /// to the latter.
+  Vector3 shortest_between(Way low, const Way& middle, Way high, const Vector3& axis) const {
+    const auto slope = [&](const Way& w) { return axis.cross(w.out).dot(w.farthest); };
+    (slope(middle) < 0 ? low : high) = middle;
+    const double precise = parallel * (cylinder_.radius + cylinder_.length);
+    for (int step = 0;; ++step) {
+      Vector3 out = axis.cross(low.farthest - high.farthest).normalized();
+      if (out.dot(low.out) < 0) out = -out;
+      const bool is_between = axis.cross(low.out).dot(out) > 0 && axis.cross(out).dot(high.out) > 0;
+      const double bound = is_between ? out.dot(low.farthest) : 0;
+      const Way& best = low.length() < high.length() ? low : high;
+      const double width = axis.cross(low.out).dot(high.out);
+      if (best.length() - bound < precise || width < std::sqrt(parallel)) return best.out;
+      const bool bisects = !is_between || step > max_secants, by_secant = step % 2 == 1;
+      if (bisects || by_secant) {
+        const double down = slope(low), up = slope(high);
+        const double share = !bisects && down < 0 && up > 0 ? down / (down - up) : 0.5;
+        out = ((1 - share) * low.out + share * high.out).normalized();
       }
+      const Way next = way(out);
+      (slope(next) < 0 ? low : high) = next;
     }
-    return (low + high) / 2;
   }
 
   const Cylinder& cylinder_;

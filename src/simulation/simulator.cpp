@@ -70,6 +70,7 @@ StepReport Simulator::Impl::step_with_retries(const State& last_good) {
   const std::vector<MovingCollider> last_colliders = colliders;
   const Holders last_holders = holders;
   const RigidBodies last_bodies = bodies;
+  const std::vector<ColliderExit> last_exits = collider_contacts.exits();
   const bool was_disturbed = disturbed;
   const auto take_back = [&] {
     state = last_good;
@@ -79,6 +80,7 @@ StepReport Simulator::Impl::step_with_retries(const State& last_good) {
     follow_holders();
     disturbed = was_disturbed;
     forget_constraints();
+    collider_contacts.set_exits(last_exits);
     energy_watch.restart();
   };
   bool may_be_apart = true;
@@ -150,7 +152,7 @@ void Simulator::place_collider(int index, const Pose& pose) {
   check_place(pose);
   const auto i = static_cast<std::size_t>(index);
   impl_->check_driven(i);
-  impl_->place_body(i, pose * scene().colliders[i].offset);
+  impl_->put_elsewhere(i, pose * scene().colliders[i].offset);
   impl_->disturbed = true;
 }
 
@@ -158,6 +160,7 @@ void Simulator::enable_collider(int index, bool enabled) {
   MovingCollider& collider = impl_->colliders.at(static_cast<std::size_t>(index));
   if (collider.enabled() == enabled) return;
   collider.enable(enabled);
+  if (enabled) impl_->collider_contacts.put_on(static_cast<std::size_t>(index));
   impl_->disturbed = true;
 }
 

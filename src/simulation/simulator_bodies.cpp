@@ -38,6 +38,30 @@ void Simulator::Impl::place_body(std::size_t leader, const Pose& pose) {
   }
 }
 
+void Simulator::Impl::put_elsewhere(std::size_t leader, const Pose& pose) {
+  const std::vector<MovingCollider> before = colliders;
+  place_body(leader, pose);
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    const Pose &from = before[k].pose(), &to = colliders[k].pose();
+    const double turn = from.orientation.angularDistance(to.orientation);
+    const double moved = (to.position - from.position).norm() +
+                         (turn > 0 ? turn * bounding_radius(colliders[k].shape()) : 0);
+    if (moved > safe_depth(colliders[k].shape())) collider_contacts.put_on(k);
+  }
+}
+
+void Simulator::Impl::start_colliders() {
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
+    colliders[i].enable(scene.colliders[i].enabled);
+  }
+  bodies.start(scene.colliders, colliders);
+}
+
+void Simulator::Impl::put_on_all() {
+  for (std::size_t k = 0; k < colliders.size(); ++k) collider_contacts.put_on(k);
+}
+
 void Simulator::Impl::restore_velocities(bool of_memory) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (!bodies.leads(k)) continue;

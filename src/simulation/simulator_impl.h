@@ -81,11 +81,7 @@ struct Simulator::Impl {
     for (std::size_t i = 0; i < pin_targets.size(); ++i) {
       pin_targets[i] = state.positions.row(pin_point(i)).transpose();
     }
-    for (std::size_t i = 0; i < colliders.size(); ++i) {
-      colliders[i].place(scene.colliders[i].pose * scene.colliders[i].offset);
-      colliders[i].enable(scene.colliders[i].enabled);
-    }
-    bodies.start(scene.colliders, colliders);
+    start_colliders();
     grips.clear();
     holders = {};
     hold_points();
@@ -94,6 +90,7 @@ struct Simulator::Impl {
     external_forces.resize(0, 3);
     last_substep = 0;
     forget();
+    put_on_all();
     disturbed = is_given = false;
     given_crossings = 0;
   }
@@ -211,6 +208,9 @@ struct Simulator::Impl {
   void move_body(std::size_t leader, const Pose& target);
   /// Puts all colliders of a body at the places that belong to a pose of its leader.
   void place_body(std::size_t leader, const Pose&);
+  void put_elsewhere(std::size_t leader, const Pose&);  // the same: cloth may be in it then
+  void put_on_all();
+  void start_colliders();
   /// Gives the colliders of bodies, which were restored, the velocities of the memory; else the
   /// bodies those of their colliders.
   void restore_velocities(bool of_memory);

@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Increases when the numbers that make up a memory change.
-enum { memory_version = 16 };
+enum { memory_version = 17 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -179,6 +179,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
 
   if (memory.empty()) {
     forget();
+    put_on_all();
     disturbed = is_given = true;
   } else {
     read(memory);

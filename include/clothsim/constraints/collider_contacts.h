@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clothsim/constraints/body_contacts.h"
+#include "clothsim/constraints/collider_exit.h"
 #include "clothsim/constraints/contact_coupling.h"
 #include "clothsim/constraints/contact_slots.h"
 #include "clothsim/constraints/face_contacts.h"
@@ -31,9 +32,10 @@ namespace clothsim {
 /// and continues along the surface. Edges and faces have contacts too where contacts of points
 /// alone would let a shape enter triangles.
 ///
-/// If a collider is placed on cloth, the cloth leaves it at recovery_speed at most: by the nearest
-/// way if the cloth is not deep inside, else all of it in one direction, and ever more slowly where
-/// pins hold it inside. Points that two colliders leave no room are held between them.
+/// Cloth in a collider leaves it at recovery_speed at most, and ever more slowly where pins hold it
+/// inside. Each point leaves by its nearest surface. Deep points leave all in one direction, and so
+/// does cloth on which the collider was put or turned on. Points that two colliders leave no room
+/// are held between them.
 class ColliderContacts {
  public:
   /// Detects the contacts after a step from step.start to state, and warm-starts their impulses.
@@ -113,11 +115,19 @@ class ColliderContacts {
   /// when something has moved.
   void reset_recovery() { recovery_duration_ = 0; }
 
-  /// Forgets the impulses, the distances of earlier steps, the pinches and the time of recovery.
+  /// A collider was turned on, or put elsewhere, by more than its safe_depth(): cloth may be in it.
+  void put_on(std::size_t collider);
+
+  /// By collider, as far as they are known.
+  std::vector<ColliderExit> exits() const;
+  void set_exits(const std::vector<ColliderExit>&);
+
+  /// Forgets the impulses, the distances of earlier steps, the pinches, the exits and the time of
+  /// recovery.
   void reset();
 
-  /// The impulses, for the given numbers of colliders and points. `read` throws InvalidValue for
-  /// data that is not from `write`.
+  /// The impulses and the ways out of colliders, for the given numbers of colliders and points.
+  /// `read` throws InvalidValue for data that is not from `write`.
   void write(MemoryWriter&) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
@@ -135,8 +145,10 @@ class ColliderContacts {
     bool has_faces = false;  // whether triangles may touch it in this step
     bool is_clear = false;   // no free point was in it as the last step ended
     bool is_close = false;   // whether this step checks its points one by one
-    /// Common direction in which points leave it, own frame, unit.
+    ColliderExit exit;
+    /// Common direction in which points leave it in this step, in its frame, unit.
     std::optional<Vector3> exit_direction;
+    double exit_speed = 0;     // along exit_direction [m/s]
     std::vector<char> leaves;  // by point: it leaves along exit_direction
     MeshMemory mesh;
 
@@ -214,9 +226,28 @@ class ColliderContacts {
   Touched touched_by(int number, const Cloth&, const Points& positions);
   ContactManifold manifold_of(int number, const MovingCollider&, const Cloth&);
 
-  /// Sets one common direction in which the points of a deep penetration leave a collider.
-  void escape(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
-              const Points& positions);
+  /// Chooses how cloth leaves colliders that were put on it, and ends exits of cloth that is out.
+  void choose_exits(const std::vector<Penetration>&, const std::vector<MovingCollider>&,
+                    const Cloth&, const ContactStep&, const Points& positions);
+  ColliderExit chosen_exit(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
+                           const ContactStep&, const Points& positions);
+
+  /// Marks the points that leave, and places the cloth relative to the collider.
+  void mark_leaving(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
+                    const Points& positions);
+
+  /// Does another collider lie in the way of the points that leave collider `left`, in a direction?
+  bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Points& positions,
+                  const Vector3& direction) const;
+
+  /// Does another collider overlap this one, where the cloth is, by more than a layer?
+  static bool is_overlapped(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
+                            const Points& start);
+
+  /// Sets the common direction in which the points of a penetration leave a collider, if they have
+  /// one.
+  void leave_together(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
+                      const Points& positions);
 
   /// Points in a collider have been moved out by `distance` [m] at most.
   void moved_out(std::size_t collider, double distance);

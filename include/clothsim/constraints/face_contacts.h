@@ -20,8 +20,9 @@ namespace clothsim {
 /// A triangle that was in a collider when a step began.
 struct PenetratingFace {
   int triangle;
-  std::size_t contact;  // in FaceContacts
-  double depth;         // [m] at the step's start
+  std::size_t contact;    // in FaceContacts
+  double depth;           // [m] at the step's start
+  CornerWeights weights;  // of the point where it touches
 };
 
 /// Contacts of edges and faces of a cloth with colliders that are not smooth relative to its

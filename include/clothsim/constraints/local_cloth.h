@@ -91,9 +91,10 @@ inline double raised(double distance, double kept) {
   return std::max(kept - penetration_slop, distance + overlap_share * (kept - distance));
 }
 
-/// Distance from a surface at the step's end, at least, of a point at `before` at its start [m].
-inline double required_distance(double before, double offset, double h) {
-  return before < 0 ? std::min(offset, before + recovery_speed * h) : offset;
+/// Distance from a surface at a step's end, at least, of a point that leaves a solid: `before` at
+/// the step's start, and moved by `displacement` (all in m).
+inline double required_distance(double before, double offset, double displacement) {
+  return std::min(offset, before + displacement);
 }
 
 }  // namespace clothsim
