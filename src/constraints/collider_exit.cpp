@@ -142,8 +142,10 @@ bool ColliderContacts::is_overlapped(const Penetration& penetration,
                                      const std::vector<MovingCollider>& colliders,
                                      const Cloth& cloth, const Points& start) {
   const auto overlaps = [&](const MovingCollider& other, const Vector3& place, double depth) {
+    const bool may_be_jaw = std::isfinite(safe_depth(other.shape()));
     const Vector3 x = to_local(other.previous(), place);
-    return signed_distance(other.shape(), x, x).value < depth - 2 * cloth.offset;
+    const double overlap = depth - signed_distance(other.shape(), x, x).value;
+    return overlap > (may_be_jaw ? 2 * cloth.thickness : put_on_depth);
   };
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (k == static_cast<std::size_t>(penetration.collider) || !colliders[k].enabled()) continue;
@@ -215,7 +217,7 @@ ColliderExit ColliderContacts::chosen_exit(const Penetration& penetration,
   const bool is_ahead = is_blocked(colliders, number, positions, direction);
   const bool is_behind = is_blocked(colliders, number, positions, -direction);
   if (is_ahead && is_behind) return {};
-  // Jaws that overlap by less than a layer hold the cloth.
+  // Jaws hold the cloth.
   if (is_ahead && !is_overlapped(penetration, colliders, cloth, step.start)) return {};
   if (normal->is_pierced && !is_ahead && !is_behind) return {};
   if (is_ahead) direction = -direction;

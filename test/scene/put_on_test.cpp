@@ -107,6 +107,21 @@ TEST_P(PutOn, AClothOnAFloorLeavesARodInThatFloor) {
   EXPECT_LT(exit.out_at.value_or(infinity), 0.35);
 }
 
+TEST(PutUpon, JawsThatAreOnButOverlapHoldTheCloth) {
+  Scene scene = with(Cuboid{{0.2, 0.2, 0.1}}, 1000, 0.2, false, true);
+  ColliderSpec& lower = scene.colliders[0];
+  lower.pose.position.z() = scene.cloth.origin.z() - 0.049;
+  lower.enabled = true;
+  ColliderSpec upper = lower;
+  upper.name = "upper";
+  upper.pose.position.z() += 0.098;
+  scene.colliders.push_back(upper);
+  Simulator simulator(scene);
+  run(simulator, 0.2);
+  const int middle = 15 * 30 + 15;
+  EXPECT_NEAR(simulator.state().positions(middle, 2), scene.cloth.origin.z(), 1e-4);
+}
+
 TEST(PutUpon, AClothComesUpThroughAFloorThatIsPutAboveIt) {
   Scene scene = with(Sphere{0.1}, 1000, 0.2, true);
   scene.colliders[0].pose.position.z() = 2;

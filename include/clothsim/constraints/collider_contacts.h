@@ -240,7 +240,8 @@ class ColliderContacts {
   bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Points& positions,
                   const Vector3& direction) const;
 
-  /// Does another collider overlap this one, where the cloth is, by more than a layer?
+  /// Does another collider overlap this one where the cloth is, by more than the thickness of a
+  /// cloth that both would hold as jaws? A plane is no jaw.
   static bool is_overlapped(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
                             const Points& start);
 
