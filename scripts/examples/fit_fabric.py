@@ -29,6 +29,7 @@ SCENE = {  # the measured strip: its size, weight and shear, by ruler, scale and
 }
 WEIGHT, HUNG_AT, TAKES = 0.3, 2.0, 0.5  # [N] on the lower edge, begin and duration of its lowering [s]
 NOISE = 1e-3  # [m] of a measurement
+PRECISE = 1e-4  # relative change of a value that ends the search, far below what noise allows
 BESIDE = np.geomspace(0.75, 1.33, 8)  # multiples of a found value, at which a better one may be
 
 # By live value: its value for a sought number, first guess, lower and upper bound.
@@ -136,7 +137,8 @@ def fit(measured):
         return model.residual(dict(zip(names, np.exp(logarithms))), measured)
     start, least, most = np.log([SOUGHT[name][1:] for name in names]).T
     while True:
-        found = scipy.optimize.least_squares(residual, start, diff_step=1e-3, bounds=(least, most))
+        found = scipy.optimize.least_squares(residual, start, diff_step=1e-3, xtol=PRECISE, ftol=PRECISE,
+                                             bounds=(least, most))
         # A strip with one swing too many is a local minimum: a better start may be beside the found value.
         beside = [found.x + way * np.log(factor) for way in np.eye(len(names)) for factor in BESIDE]
         beside = [x for x in beside if (x >= least).all() and (x <= most).all()]
