@@ -22,7 +22,7 @@ using namespace test;
 constexpr double before = 0.5, after = 1.3;  // [s]
 
 /// Gentle and wild speeds of the fastest point, beyond that before [m/s].
-constexpr double gentle = 4, wild = 20;
+constexpr double gentle = 4, wild = 30;
 
 Shape shape(Draw& draw) {
   switch (draw.whole(0, 3)) {
