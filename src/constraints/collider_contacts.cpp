@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clothsim/model/checks.h"
 #include "clothsim/model/surface.h"
 
 namespace clothsim {
@@ -280,14 +279,7 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
-  memory.add(static_cast<double>(caches_.size()));
-  for (const ColliderCache& s : caches_) {
-    memory.add(static_cast<int>(s.exit.way));
-    if (!s.exit.is_together()) continue;
-    memory.add(s.exit.velocity);
-    memory.add(s.exit.has_turned_back);
-    memory.add(s.exit.lags);
-  }
+  write_exits(memory);
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
   memory.add(recovery_duration_);
@@ -306,20 +298,7 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
-  const int known = memory.index(colliders + 1);
-  for (int k = 0; k < known; ++k) {
-    ColliderExit& exit = cache(k).exit;
-    exit.way = static_cast<ColliderExit::Way>(memory.index(3));
-    if (!exit.is_together()) continue;
-    exit.velocity = memory.vector();
-    const double speed = exit.velocity.norm();
-    if (!(speed > 0 && speed < 2 * recovery_speed)) {
-      throw InvalidValue({"memory"}, "cloth that leaves a collider at " + to_text(speed) + " m/s",
-                         "a speed above 0 and of at most " + to_text(recovery_speed) + " m/s");
-    }
-    exit.has_turned_back = memory.index(2) == 1;
-    exit.lags = memory.index(2) == 1;
-  }
+  read_exits(memory, colliders);
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;
   recovery_duration_ = std::max(0.0, memory.number());

@@ -6,6 +6,7 @@
 
 #include "clothsim/constraints/collider_contacts.h"
 #include "clothsim/constraints/corners.h"
+#include "clothsim/model/checks.h"
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
@@ -14,9 +15,16 @@ namespace {
 /// Cloth that lies less deep in a collider leaves it by the nearest surface everywhere [m].
 constexpr double put_on_depth = 10 * penetration_slop;
 
-/// Cloth leaves a collider that was put on it in this time [s], at recovery_speed at most. In 0.3 s
-/// a ball in a floor would throw stiff cloth half as fast.
+/// Time [s] in which cloth leaves a collider that was put on it, at recovery_speed at most. With
+/// 0.3 s a ball in a floor would throw stiff cloth half as fast, but cloth would be out too late
+/// after a jump.
 constexpr double put_on_time = 0.2;
+
+/// After this time [s] cloth that is held inside leaves by the nearest surfaces.
+constexpr double longest_exit = 10 * put_on_time;
+
+/// Relative error of a speed that was computed from a velocity.
+constexpr double rounding = 1e-9;
 
 /// Most steps of a search along a straight line.
 constexpr int most_steps = 100;
@@ -121,16 +129,18 @@ double way_out(const Shape& shape, const Vector3& from, const Vector3& direction
 }  // namespace
 
 bool ColliderContacts::is_blocked(const std::vector<MovingCollider>& colliders, std::size_t left,
+                                  const Cloth& cloth, const ContactStep& step,
                                   const Points& positions, const Vector3& direction) const {
   const std::vector<char>& leaves = caches_[left].leaves;
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (k == left || !colliders[k].enabled() || caches_[k].near.empty()) continue;
+    if (step.bodies && step.bodies->is_body(k)) continue;
     const Pose& pose = colliders[k].pose();
-    for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+    for (int i = 0; i < cloth.num_points(); ++i) {
       if (!leaves[static_cast<std::size_t>(i)]) continue;
-      const Vector3 x = to_local(pose, row(positions, static_cast<int>(i)));
+      const Vector3 x = to_local(pose, row(positions, i));
       const Distance d = signed_distance(colliders[k].shape(), x, x);
-      const bool touches = d.value < 1.5 * caches_[k].keeps;
+      const bool touches = d.value < 1.5 * (caches_[k].keeps - cloth.nearer_by(i));
       if (touches && (pose.orientation * d.normal).dot(direction) < blocking * direction.norm())
         return true;
     }
@@ -141,28 +151,28 @@ bool ColliderContacts::is_blocked(const std::vector<MovingCollider>& colliders, 
 bool ColliderContacts::is_overlapped(const Penetration& penetration,
                                      const std::vector<MovingCollider>& colliders,
                                      const Cloth& cloth, const Points& start) {
-  const auto overlaps = [&](const MovingCollider& other, const Vector3& place, double depth) {
+  const auto overlaps = [&](const MovingCollider& other, const Vector3& place, double depth,
+                            double thickness) {
     const bool may_be_jaw = std::isfinite(safe_depth(other.shape()));
     const Vector3 x = to_local(other.previous(), place);
     const double overlap = depth - signed_distance(other.shape(), x, x).value;
-    return overlap > (may_be_jaw ? 2 * cloth.thickness : put_on_depth);
+    return overlap > (may_be_jaw ? 2 * thickness : put_on_depth);
   };
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     if (k == static_cast<std::size_t>(penetration.collider) || !colliders[k].enabled()) continue;
     for (const auto& [point, depth] : penetration.points) {
-      if (overlaps(colliders[k], row(start, point), depth)) return true;
+      if (overlaps(colliders[k], row(start, point), depth, cloth.thickness_at(point))) return true;
     }
     for (const PenetratingFace& face : penetration.faces) {
       const Corners& c = cloth.triangles[static_cast<std::size_t>(face.triangle)];
-      if (overlaps(colliders[k], weighted(start, c, face.weights), face.depth)) return true;
+      const Vector3 touched = weighted(start, c, face.weights);
+      if (overlaps(colliders[k], touched, face.depth, cloth.thickness_at(c[0]))) return true;
     }
   }
   return false;
 }
 
-void ColliderContacts::mark_leaving(const Penetration& penetration, const MovingCollider& collider,
-                                    const Cloth& cloth, const ContactStep& step,
-                                    const Points& positions) {
+void ColliderContacts::mark_leaving(const Penetration& penetration, const Cloth& cloth) {
   ColliderCache& s = cache(penetration.collider);
   s.leaves.assign(static_cast<std::size_t>(cloth.num_points()), 0);
   for (const auto& point : penetration.points) s.leaves[static_cast<std::size_t>(point.first)] = 1;
@@ -171,7 +181,6 @@ void ColliderContacts::mark_leaving(const Penetration& penetration, const Moving
       s.leaves[static_cast<std::size_t>(i)] = 1;
     }
   }
-  local_.place(collider, cloth, step.start, positions, s.mesh);
 }
 
 void ColliderContacts::choose_exits(const std::vector<Penetration>& penetrations,
@@ -189,13 +198,18 @@ void ColliderContacts::choose_exits(const std::vector<Penetration>& penetrations
     ColliderExit& exit = cache(c.collider).exit;
     if (exit.way == ColliderExit::Way::nearest) continue;
     const auto number = static_cast<std::size_t>(c.collider);
-    mark_leaving(c, colliders[number], cloth, step, positions);
+    exit.duration += step.h;
+    if (exit.duration > longest_exit) {
+      exit = {};
+      continue;
+    }
+    mark_leaving(c, cloth);
     if (!exit.is_together()) {
       exit = chosen_exit(c, colliders, cloth, step, positions);
-    } else if (!exit.has_turned_back && is_blocked(colliders, number, positions, exit.velocity)) {
+    } else if (!exit.has_turned_back &&
+               is_blocked(colliders, number, cloth, step, positions, exit.velocity)) {
+      exit = chosen_exit(c, colliders, cloth, step, positions);
       exit.has_turned_back = true;
-      exit.velocity *= -1;
-      if (is_blocked(colliders, number, positions, exit.velocity)) exit = {};
     }
   }
 }
@@ -208,16 +222,17 @@ ColliderExit ColliderContacts::chosen_exit(const Penetration& penetration,
   const Shape& shape = colliders[number].shape();
   const bool is_body = step.bodies && step.bodies->is_body(number);
   if (is_body || std::isinf(safe_depth(shape)) || penetration.depth() <= put_on_depth) return {};
+  local_.place(colliders[number], cloth, step.start, positions, caches_[number].mesh);
   if (holds_any(shape, cloth, local_.from)) return {};
   const auto normal =
       normal_to(shape, cloth, local_.from, cache(penetration.collider).leaves, local_.edge);
   if (!normal) return {};
   const Eigen::Quaterniond& turn = colliders[number].pose().orientation;
   Vector3 direction = turn * normal->out;
-  const bool is_ahead = is_blocked(colliders, number, positions, direction);
-  const bool is_behind = is_blocked(colliders, number, positions, -direction);
+  const bool is_ahead = is_blocked(colliders, number, cloth, step, positions, direction);
+  const bool is_behind = is_blocked(colliders, number, cloth, step, positions, -direction);
   if (is_ahead && is_behind) return {};
-  // Jaws hold the cloth.
+  // Jaws that overlap by less than the cloth's thickness hold it.
   if (is_ahead && !is_overlapped(penetration, colliders, cloth, step.start)) return {};
   if (normal->is_pierced && !is_ahead && !is_behind) return {};
   if (is_ahead) direction = -direction;
@@ -242,13 +257,14 @@ void ColliderContacts::leave_together(const Penetration& penetration,
   const double depth = penetration.depth();
   const bool is_together = s.exit.is_together() && depth > 0;
   if (!is_together && !(depth > safe_depth(collider.shape()))) return;
-  mark_leaving(penetration, collider, cloth, step, positions);
+  mark_leaving(penetration, cloth);
   const Eigen::Quaterniond& turn = collider.pose().orientation;
   if (is_together) {
     s.exit_speed = s.exit.velocity.norm();
     s.exit_direction = turn.conjugate() * s.exit.velocity / s.exit_speed;
   } else {
     s.exit_speed = recovery_speed;
+    local_.place(collider, cloth, step.start, positions, s.mesh);
     s.exit_direction = direction_out(cloth, local_.from, local_.to - local_.from, step.h, s.leaves);
   }
   s.is_close = true;
@@ -264,6 +280,42 @@ void ColliderContacts::leave_together(const Penetration& penetration,
   }
   for (const PenetratingFace& face : penetration.faces) {
     faces_.redirect(face.contact, direction, speed);
+  }
+}
+
+void ColliderContacts::write_exits(MemoryWriter& memory) const {
+  const auto is_kept = [](const ColliderCache& s) {
+    return s.exit.way != ColliderExit::Way::nearest;
+  };
+  memory.add(static_cast<double>(std::count_if(caches_.begin(), caches_.end(), is_kept)));
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    if (!is_kept(caches_[k])) continue;
+    const ColliderExit& exit = caches_[k].exit;
+    memory.add(static_cast<double>(k));
+    memory.add(exit.is_together());
+    if (!exit.is_together()) continue;
+    memory.add(exit.velocity);
+    memory.add(exit.has_turned_back);
+    memory.add(exit.lags);
+    memory.add(exit.duration);
+  }
+}
+
+void ColliderContacts::read_exits(MemoryReader& memory, std::size_t colliders) {
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    ColliderExit& exit = cache(memory.index(colliders)).exit;
+    exit = {ColliderExit::Way::undecided};
+    if (memory.index(2) == 0) continue;
+    exit.way = ColliderExit::Way::together;
+    exit.velocity = memory.vector();
+    const double speed = exit.velocity.norm();
+    if (!(speed > 0 && speed <= recovery_speed * (1 + rounding))) {
+      throw InvalidValue({"memory"}, "cloth that leaves a collider at " + to_text(speed) + " m/s",
+                         "a speed above 0 and of at most " + to_text(recovery_speed) + " m/s");
+    }
+    exit.has_turned_back = memory.index(2) == 1;
+    exit.lags = memory.index(2) == 1;
+    exit.duration = std::max(0.0, memory.number());
   }
 }
 

@@ -168,7 +168,8 @@ void ColliderContacts::pinch(const std::vector<MovingCollider>& colliders, const
   };
   std::map<std::size_t, ContactManifold> manifolds;  // of those that face another collider
   const auto is_left = [&](std::size_t k) {
-    return cache(penetrations[k].collider).exit.is_together();
+    const Penetration& c = penetrations[k];
+    return cache(c.collider).exit.is_together() && c.depth() > 0;
   };
   const auto manifold = [&](std::size_t k) -> const ContactManifold& {
     const int number = penetrations[k].collider;
@@ -246,11 +247,11 @@ std::optional<double> ColliderContacts::project_closely(ColliderCache& s, int i,
     const double speed = s.exit.is_together() ? s.exit.velocity.norm() : recovery_speed;
     const double required =
         leaves ? required_distance(before, offset, recovery_factor_ * speed * h_) : offset;
-    s.exit.lags = s.exit.lags || (s.exit.is_together() && required < offset);
     to += std::max(0.0, required - d.value) * d.normal;
   }
   const double ends = signed_distance(collider.shape(), to, from).value;
   s.is_clear = s.is_clear && ends >= penetration_slop;
+  s.exit.lags = s.exit.lags || (s.exit.is_together() && ends < offset - penetration_slop);
   const Vector3 end = to_world(collider.pose(), to);
   const double distance = (end - row(positions, i)).norm();
   positions.row(i) = end.transpose();

@@ -90,7 +90,6 @@ struct Simulator::Impl {
     external_forces.resize(0, 3);
     last_substep = 0;
     forget();
-    put_on_all();
     disturbed = is_given = false;
     given_crossings = 0;
   }
@@ -107,6 +106,7 @@ struct Simulator::Impl {
   void forget() {
     method.emplace(scene.simulation, without_grips(), scene.colliders);
     forget_constraints();
+    put_on_all();
     self_contacts = make_self_contacts(cloth);  // and the tracked pairs in it
     energy_watch.restart();
   }
@@ -208,8 +208,8 @@ struct Simulator::Impl {
   void move_body(std::size_t leader, const Pose& target);
   /// Puts all colliders of a body at the places that belong to a pose of its leader.
   void place_body(std::size_t leader, const Pose&);
-  void put_elsewhere(std::size_t leader, const Pose&);  // the same: cloth may be in it then
-  void put_on_all();
+  void put_elsewhere(std::size_t leader, const Pose&);  // and cloth may be in it then
+  void put_on_all();                                    // cloth may be in any collider
   void start_colliders();
   /// Gives the colliders of bodies, which were restored, the velocities of the memory; else the
   /// bodies those of their colliders.

@@ -179,7 +179,6 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
 
   if (memory.empty()) {
     forget();
-    put_on_all();
     disturbed = is_given = true;
   } else {
     read(memory);

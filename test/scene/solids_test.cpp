@@ -217,6 +217,27 @@ TEST(OutOfReach, WhatNothingMovesIsLeftAlone) {
   EXPECT_LT(simulator.state().velocities.cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST(OnAnOctahedron, AFreeThinClothKeepsItsStrainLimit) {
+  struct Case {
+    double ks, density;
+  };
+  for (const Case& c : {Case{1000, 0.2}, Case{300, 3}, Case{5000, 150}}) {
+    Scene scene =
+        above(mesh_shape(ball_soup(0.15, 4, 2)), turned({0.5, 0.5, 0}, 0.3, {1, 0.4, 0}), 56);
+    scene.cloth.origin = {-0.05, 0.03, 0.4};
+    scene.cloth.thickness = 1.75e-4;
+    scene.cloth.material.ks = c.ks;
+    scene.cloth.material.density = c.density;
+    Simulator simulator(scene);
+    double worst = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      worst = std::max(worst, simulator.step().worst_stretch);
+    }
+    EXPECT_GT(worst, 0.02) << c.ks << ", it has touched";
+    EXPECT_LT(worst, 0.11) << c.ks;
+  }
+}
+
 /// A stand-off of 0.1 mm allows the same depth.
 constexpr double tolerance = surface_offset;
 

@@ -33,9 +33,9 @@ namespace clothsim {
 /// alone would let a shape enter triangles.
 ///
 /// Cloth in a collider leaves it at recovery_speed at most, and ever more slowly where pins hold it
-/// inside. Each point leaves by its nearest surface. Deep points leave all in one direction, and so
-/// does cloth on which the collider was put or turned on. Points that two colliders leave no room
-/// are held between them.
+/// inside. A point leaves by its nearest surface; but if any is deeper than safe_depth(), or if the
+/// collider was turned on or put there, all points in it leave in one direction. Points that two
+/// colliders leave no room are held between them.
 class ColliderContacts {
  public:
   /// Detects the contacts after a step from step.start to state, and warm-starts their impulses.
@@ -115,10 +115,11 @@ class ColliderContacts {
   /// when something has moved.
   void reset_recovery() { recovery_duration_ = 0; }
 
-  /// A collider was turned on, or put elsewhere, by more than its safe_depth(): cloth may be in it.
+  /// To be called when a collider was turned on, or put elsewhere by more than its safe_depth():
+  /// the next detection chooses how cloth in it leaves.
   void put_on(std::size_t collider);
 
-  /// By collider, as far as they are known.
+  /// The exits by collider; may have fewer entries than there are colliders.
   std::vector<ColliderExit> exits() const;
   void set_exits(const std::vector<ColliderExit>&);
 
@@ -232,18 +233,21 @@ class ColliderContacts {
   ColliderExit chosen_exit(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
                            const ContactStep&, const Points& positions);
 
-  /// Marks the points that leave, and places the cloth relative to the collider.
-  void mark_leaving(const Penetration&, const MovingCollider&, const Cloth&, const ContactStep&,
-                    const Points& positions);
+  /// Marks the points that leave.
+  void mark_leaving(const Penetration&, const Cloth&);
 
-  /// Does another collider lie in the way of the points that leave collider `left`, in a direction?
-  bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Points& positions,
-                  const Vector3& direction) const;
+  /// Does another collider, that is no body, lie in the way of the points that leave collider
+  /// `left` in a direction?
+  bool is_blocked(const std::vector<MovingCollider>&, std::size_t left, const Cloth&,
+                  const ContactStep&, const Points& positions, const Vector3& direction) const;
 
-  /// Does another collider overlap this one where the cloth is, by more than the thickness of a
-  /// cloth that both would hold as jaws? A plane is no jaw.
+  /// Does another collider overlap this one where the cloth is, by more than jaws that hold the
+  /// cloth may? A plane may by put_on_depth, other shapes by the cloth's thickness.
   static bool is_overlapped(const Penetration&, const std::vector<MovingCollider>&, const Cloth&,
                             const Points& start);
+
+  void write_exits(MemoryWriter&) const;
+  void read_exits(MemoryReader&, std::size_t colliders);
 
   /// Sets the common direction in which the points of a penetration leave a collider, if they have
   /// one.
