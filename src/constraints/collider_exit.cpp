@@ -37,6 +37,9 @@ constexpr double least_coherence = 0.5;
 /// of the nearest surfaces: a shape that pierces the cloth has less.
 constexpr double least_along = 0.95;
 
+/// Cloth within this multiple of the distance that contact keeps counts as touching.
+constexpr double touching = 1.5;
+
 /// Cosine of the angle between a direction and the normal of a surface that blocks it.
 constexpr double blocking = -0.5;
 
@@ -140,7 +143,7 @@ bool ColliderContacts::is_blocked(const std::vector<MovingCollider>& colliders, 
       if (!leaves[static_cast<std::size_t>(i)]) continue;
       const Vector3 x = to_local(pose, row(positions, i));
       const Distance d = signed_distance(colliders[k].shape(), x, x);
-      const bool touches = d.value < 1.5 * (caches_[k].keeps - cloth.nearer_by(i));
+      const bool touches = d.value < touching * (caches_[k].keeps - cloth.nearer_by(i));
       if (touches && (pose.orientation * d.normal).dot(direction) < blocking * direction.norm())
         return true;
     }
@@ -187,6 +190,10 @@ void ColliderContacts::choose_exits(const std::vector<Penetration>& penetrations
                                     const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const ContactStep& step,
                                     const Points& positions) {
+  if (std::all_of(caches_.begin(), caches_.end(),
+                  [](const ColliderCache& s) { return s.exit.is_nearest(); })) {
+    return;
+  }
   std::vector<double> depths(caches_.size(), 0);
   for (const Penetration& c : penetrations) {
     depths[static_cast<std::size_t>(c.collider)] = c.depth();
@@ -196,7 +203,7 @@ void ColliderContacts::choose_exits(const std::vector<Penetration>& penetrations
   }
   for (const Penetration& c : penetrations) {
     ColliderExit& exit = cache(c.collider).exit;
-    if (exit.way == ColliderExit::Way::nearest) continue;
+    if (exit.is_nearest()) continue;
     const auto number = static_cast<std::size_t>(c.collider);
     exit.duration += step.h;
     if (exit.duration > longest_exit) {
@@ -209,7 +216,7 @@ void ColliderContacts::choose_exits(const std::vector<Penetration>& penetrations
     } else if (!exit.has_turned_back &&
                is_blocked(colliders, number, cloth, step, positions, exit.velocity)) {
       exit = chosen_exit(c, colliders, cloth, step, positions);
-      exit.has_turned_back = true;
+      exit.has_turned_back = exit.is_together();
     }
   }
 }
@@ -284,12 +291,10 @@ void ColliderContacts::leave_together(const Penetration& penetration,
 }
 
 void ColliderContacts::write_exits(MemoryWriter& memory) const {
-  const auto is_kept = [](const ColliderCache& s) {
-    return s.exit.way != ColliderExit::Way::nearest;
-  };
-  memory.add(static_cast<double>(std::count_if(caches_.begin(), caches_.end(), is_kept)));
+  const auto is_written = [](const ColliderCache& s) { return !s.exit.is_nearest(); };
+  memory.add(static_cast<double>(std::count_if(caches_.begin(), caches_.end(), is_written)));
   for (std::size_t k = 0; k < caches_.size(); ++k) {
-    if (!is_kept(caches_[k])) continue;
+    if (!is_written(caches_[k])) continue;
     const ColliderExit& exit = caches_[k].exit;
     memory.add(static_cast<double>(k));
     memory.add(exit.is_together());

@@ -18,6 +18,7 @@ struct ColliderExit {
   bool lags = false;    // a point outside is nearer than contact keeps it: the exit goes on
   double duration = 0;  // [s]
 
+  bool is_nearest() const { return way == Way::nearest; }
   bool is_together() const { return way == Way::together; }
 };
 
