@@ -26,10 +26,27 @@ void Holders::list_corners(const Cloth& cloth) {
   });
 }
 
+/// The cells of a fabric at held points.
+void Holders::list_cells(const Cloth& cloth) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const int i = points_[k].hold.point;
+    for (const CellRun& run : cloth.cells) {
+      const std::array<int, 4> steps{0, run.a, run.b, run.a + run.b};
+      for (std::size_t corner = 0; corner < steps.size(); ++corner) {
+        const int first = i - steps[corner];
+        if (first < run.first || first >= run.first + run.count) continue;
+        cells_.push_back({k, cell_of(run, first), corner});
+      }
+    }
+  }
+}
+
 void Holders::list_springs(const Cloth& cloth) {
   springs_.clear();
   corners_.clear();
+  cells_.clear();
   if (cloth.is_mesh()) return list_corners(cloth);
+  list_cells(cloth);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const int i = points_[k].hold.point;
     for (const PairBand& band : cloth.pairs) {
@@ -41,7 +58,7 @@ void Holders::list_springs(const Cloth& cloth) {
         springs_.push_back({k, other, spring, band.rest_length, band.bend[first]});
       }
     }
-    if (!cloth.pairs.empty()) continue;
+    if (cloth.has_bands()) continue;
     for (const SpringRun& run : cloth.springs) {
       for (const int first : {i, i - run.offset}) {  // the springs that it begins and ends
         if (first < run.first || first >= run.first + run.count) continue;
@@ -69,6 +86,15 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
       force += s.stiffness * (length - s.rest_length + of_springs * u.dot(rate)) * u;
     }
     impulses.row(i) += h * force.transpose();
+  }
+  for (const HeldCell& held : cells_) {
+    if (points_[held.point].slips) continue;
+    const Cell& cell = held.cell;
+    const double strain = cell.value(state.positions) +
+                          cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
+    const Vector3 by = Cell::sign(held.corner) *
+                       cell.gradients(state.positions)[Cell::diagonal_of(held.corner)];
+    impulses.row(cell.corners[held.corner]) -= h * cell.stiffness * strain * by.transpose();
   }
   const Points* const velocities = is_damped(cloth) ? &state.velocities : nullptr;
   for (const HeldCorner& held : corners_) {

@@ -15,6 +15,11 @@ bool same(const BendRun& a, const BendRun& b) {
          a.stiffness == b.stiffness;
 }
 
+bool same(const CellRun& a, const CellRun& b) {
+  return a.first == b.first && a.a == b.a && a.b == b.b && a.count == b.count &&
+         a.strain == b.strain && a.stiffness == b.stiffness;
+}
+
 bool same(const PatchBend& a, const PatchBend& b) {
   return a.points == b.points && a.coefficients == b.coefficients && a.stiffness == b.stiffness &&
          a.curvature == b.curvature;
@@ -48,7 +53,7 @@ bool same(const Scalars& a, const Scalars& b) { return a.size() == b.size() && a
 }  // namespace
 
 bool ClothWatch::differs(const Cloth& cloth, double h) const {
-  const bool same_forces = same(cloth.springs, springs_) && same(cloth.bends, bends_) &&
+  const bool same_forces = same(cloth.springs, springs_) && same(cloth.bends, bends_) && same(cloth.cells, cells_) &&
                            same(cloth.triangle_fabric, triangle_fabric_) &&
                            cloth.internal_damping == internal_damping_;
   return !(same_forces && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
@@ -65,6 +70,7 @@ bool ClothWatch::changed(const Cloth& cloth, double h) {
   inv_mass_ = cloth.inv_mass;
   springs_ = cloth.springs;
   bends_ = cloth.bends;
+  cells_ = cloth.cells;
   internal_damping_ = cloth.internal_damping;
   return true;
 }

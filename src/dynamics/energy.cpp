@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 #include "clothsim/model/lanes.h"
@@ -52,6 +53,10 @@ double elastic_energy(const Cloth& cloth, const Points& positions) {
       energy += run.stiffness * stretch * stretch / 2;
     });
   }
+  for_each_cell(cloth, [&](const Cell& cell) {
+    const double strain = cell.value(positions);
+    energy += cell.stiffness * strain * strain / 2;
+  });
   for_each_bend(cloth, [&](const auto& bend) {
     energy += bend.stiffness * bend.deviation(positions).squaredNorm() / 2;
   });

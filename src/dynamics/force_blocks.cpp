@@ -12,127 +12,13 @@
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
+#include "force_kernels.h"
 
 namespace clothsim {
 namespace {
 
 /// Directions whose forces one pass over a block's points sums: those of a classic cloth.
 enum { max_terms = 6 };
-
-/// Added to squared lengths [m^2]: a spring of zero length gets a finite factor, and no force.
-template <typename Real>
-constexpr Real min_length2 = std::numeric_limits<Real>::min();
-
-/// Addresses of points in each coordinate's column.
-template <typename Real>
-struct Columns {
-  const Real* x;
-  const Real* y;
-  const Real* z;
-};
-
-/// Force of springs (i, i + offset), i in [0, count), on their first points. Square root and
-/// division take twice as long as all the rest. Alternatives, an estimate of few bits with Newton's
-/// method, or one of single precision with Halley's, take longer, since they need the units that do
-/// the rest.
-template <typename Real>
-[[gnu::always_inline]] inline void pull_of(Columns<Real> p, int offset, int count,
-                                           double rest_length, double stiffness,
-                                           Real* __restrict fx, Real* __restrict fy,
-                                           Real* __restrict fz) {
-  const auto k = static_cast<Real>(stiffness);
-  const auto tension = static_cast<Real>(stiffness * rest_length);
-  for (int i = 0; i < count; ++i) {
-    const Real dx = p.x[i + offset] - p.x[i];
-    const Real dy = p.y[i + offset] - p.y[i];
-    const Real dz = p.z[i + offset] - p.z[i];
-    const Real length = std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
-    const Real s = k - tension / length;
-    fx[i] = s * dx;
-    fy[i] = s * dy;
-    fz[i] = s * dz;
-  }
-}
-
-CLOTHSIM_TARGET_CLONES
-void pull(Columns<double> p, int offset, int count, double rest_length, double stiffness,
-          double* fx, double* fy, double* fz) {
-  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
-}
-CLOTHSIM_TARGET_CLONES
-void pull(Columns<float> p, int offset, int count, double rest_length, double stiffness, float* fx,
-          float* fy, float* fz) {
-  pull_of(p, offset, count, rest_length, stiffness, fx, fy, fz);
-}
-
-/// Springs and bends between points i and i + offset of a fabric, see PairBand, and their internal
-/// damping [s]: of springs, of bends.
-struct Pairs {
-  const double* spring;
-  const double* bend;
-  double rest_length;
-  std::array<double, 2> damping;
-};
-
-/// Forces of pairs (i, i + offset), i in [0, count), on their first points. `v`: velocities where
-/// `damped`.
-template <bool sprung, bool damped, typename Real>
-[[gnu::always_inline]] inline void pull_pairs_of(const Pairs& pairs, Columns<Real> p,
-                                                 Columns<Real> v, int offset, int count,
-                                                 Real* __restrict fx, Real* __restrict fy,
-                                                 Real* __restrict fz) {
-  const double* const spring = pairs.spring;
-  const double* const bend = pairs.bend;
-  const auto rest_length = static_cast<Real>(pairs.rest_length);
-  const auto of_springs = static_cast<Real>(pairs.damping[0]);
-  const auto of_bends = static_cast<Real>(pairs.damping[1]);
-  for (int i = 0; i < count; ++i) {
-    const Real dx = p.x[i + offset] - p.x[i];
-    const Real dy = p.y[i + offset] - p.y[i];
-    const Real dz = p.z[i + offset] - p.z[i];
-    const Real ex = damped ? v.x[i + offset] - v.x[i] : Real{0};
-    const Real ey = damped ? v.y[i + offset] - v.y[i] : Real{0};
-    const Real ez = damped ? v.z[i + offset] - v.z[i] : Real{0};
-    const auto w = static_cast<Real>(bend[i]);
-    Real s = w;
-    if constexpr (sprung) {
-      const auto k = static_cast<Real>(spring[i]);
-      const Real inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz + min_length2<Real>);
-      s += k - k * rest_length * inverse;
-      if constexpr (damped) {
-        const Real rate = (dx * inverse * ex + dy * inverse * ey + dz * inverse * ez) * inverse;
-        s += of_springs * k * rate;
-      }
-    }
-    const Real t = of_bends * w;
-    fx[i] = damped ? s * dx + t * ex : s * dx;
-    fy[i] = damped ? s * dy + t * ey : s * dy;
-    fz[i] = damped ? s * dz + t * ez : s * dz;
-  }
-}
-
-template <typename Real>
-[[gnu::always_inline]] inline void pull_any_pairs_of(const Pairs& pairs, Columns<Real> p,
-                                                     Columns<Real> v, int offset, int count,
-                                                     Real* fx, Real* fy, Real* fz) {
-  const bool sprung = pairs.spring != nullptr;
-  const bool damped = v.x != nullptr;
-  if (sprung && damped) return pull_pairs_of<true, true>(pairs, p, v, offset, count, fx, fy, fz);
-  if (sprung) return pull_pairs_of<true, false>(pairs, p, v, offset, count, fx, fy, fz);
-  if (damped) return pull_pairs_of<false, true>(pairs, p, v, offset, count, fx, fy, fz);
-  pull_pairs_of<false, false>(pairs, p, v, offset, count, fx, fy, fz);
-}
-
-CLOTHSIM_TARGET_CLONES
-void pull_pairs(const Pairs& pairs, Columns<double> p, Columns<double> v, int offset, int count,
-                double* fx, double* fy, double* fz) {
-  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
-}
-CLOTHSIM_TARGET_CLONES
-void pull_pairs(const Pairs& pairs, Columns<float> p, Columns<float> v, int offset, int count,
-                float* fx, float* fy, float* fz) {
-  pull_any_pairs_of(pairs, p, v, offset, count, fx, fy, fz);
-}
 
 CLOTHSIM_TARGET_CLONES
 void narrow(const double* x, double origin, int count, float* __restrict to) {
@@ -225,35 +111,73 @@ ForceBlocks<Real>::ForceBlocks(const Cloth& cloth, const Loads& loads, const Poi
   const int kept = padded<Real>(std::min(points_at_once, end - begin));
   Eigen::Index size = line / sizeof(Real);
   for (const Direction& d : directions_) size += 3 * (padded<Real>(d.offset) + kept);
+  for (const Cells& cells : cells_) size += 6 * (padded<Real>(cells.reach()) + kept);
   buffer_.resize(size);
 
-  // The forces of springs that begin before `begin`.
+  // The forces of springs and cells that begin before `begin`.
   void* aligned = buffer_.data();
   std::size_t bytes = static_cast<std::size_t>(size) * sizeof(Real);
   Real* free = static_cast<Real*>(std::align(line, sizeof(Real), aligned, bytes));
-  for (Direction& d : directions_) {
-    const int offset = d.offset;
-    for (Real*& force : d.force) {
-      force = free + padded<Real>(offset);
-      free = force + kept;
-    }
-    Real* const before[3] = {d.force[0] - offset, d.force[1] - offset, d.force[2] - offset};
-    fill(d, begin - offset, offset, before);
+  for (Direction& d : directions_) free = place(d.offset, kept, free, d);
+  for (Cells& cells : cells_) free = place(cells.reach(), kept, free, cells);
+}
+
+/// Gives an item its arrays, with room for forces `reach` points before the block, which it sets.
+template <typename Real>
+template <typename Item>
+Real* ForceBlocks<Real>::place(int reach, int kept, Real* free, Item& item) {
+  constexpr std::size_t arrays = std::extent_v<decltype(item.force)>;
+  Real* before[arrays];
+  for (std::size_t k = 0; k < arrays; ++k) {
+    item.force[k] = free + padded<Real>(reach);
+    free = item.force[k] + kept;
+    before[k] = item.force[k] - reach;
   }
+  fill(item, first_ - reach, reach, before);
+  return free;
 }
 
 template <typename Real>
 void ForceBlocks<Real>::group() {
   directions_.reserve(max_terms);
-  for (const PairBand& pairs : cloth_.pairs) {
-    directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
-  }
-  if (!cloth_.pairs.empty()) return;
+  if (cloth_.has_bands()) return group_bands();
   for_each_band(cloth_, [&](const SpringBand& band) {
     if (band.begin->stiffness != 0) {
       directions_.push_back({band.begin->offset, nullptr, band.begin, band.end, {}});
     }
   });
+}
+
+/// A fabric: the first cells take the bends along their diagonals with them, where these are all of
+/// a band.
+template <typename Real>
+void ForceBlocks<Real>::group_bands() {
+  for (const CellBand& band : cloth_.cell_bands) cells_.push_back({&band, {}, {}});
+  if (!cells_.empty()) {
+    const CellBand& band = *cells_.front().band;
+    const std::array<const PairBand*, 2> bends{
+        bends_of_cells(band, band.a + band.b, 0), bends_of_cells(band, band.b - band.a, band.a)};
+    if (bends[0] != nullptr && bends[1] != nullptr) cells_.front().bends = bends;
+  }
+  for (const PairBand& pairs : cloth_.pairs) {
+    const bool is_taken = !cells_.empty() && (cells_.front().bends[0] == &pairs ||
+                                              cells_.front().bends[1] == &pairs);
+    if (!is_taken) directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
+  }
+}
+
+/// The bends along a diagonal that is `offset` points long and begins `lead` points after the first
+/// corner. Null where their band has others, or springs.
+template <typename Real>
+const PairBand* ForceBlocks<Real>::bends_of_cells(const CellBand& cells, int offset,
+                                                  int lead) const {
+  for (const PairBand& pairs : cloth_.pairs) {
+    if (pairs.offset != offset) continue;
+    const auto rest = pairs.bend.size() - lead - cells.stiffness.size();
+    const bool is_all = pairs.bend.head(lead).isZero(0) && pairs.bend.tail(rest).isZero(0);
+    return is_all && pairs.spring.size() == 0 ? &pairs : nullptr;
+  }
+  return nullptr;
 }
 
 /// Positions as Real. In single precision they are relative to a point of the cloth, to keep digits
@@ -268,6 +192,7 @@ void ForceBlocks<Real>::take_points() {
   } else {
     int farthest = 0;
     for (const Direction& d : directions_) farthest = std::max(farthest, d.offset);
+    for (const Cells& cells : cells_) farthest = std::max(farthest, cells.reach());
     const int n = cloth_.num_points();
     const int from = std::max(0, first_ - farthest);
     const int count = std::min(n, end_ + farthest) - from;
@@ -325,24 +250,50 @@ void ForceBlocks<Real>::pull_between(const Direction& d, int from, int count,
 }
 
 template <typename Real>
+void ForceBlocks<Real>::fill(const Cells& cells, int first, int count,
+                             Real* const force[6]) const {
+  const CellBand& band = *cells.band;
+  const int end = first + count;
+  const int from = std::clamp(0, first, end);
+  const int to = std::clamp(static_cast<int>(band.stiffness.size()), from, end);
+  Real* pulled[6];
+  for (int k = 0; k < 6; ++k) {
+    std::fill(force[k], force[k] + (from - first), Real{0});
+    std::fill(force[k] + (to - first), force[k] + count, Real{0});
+    pulled[k] = force[k] + (from - first);
+  }
+  if (from == to) return;
+  CellPulls pulls{band.a, band.b, band.strain, &band.stiffness[from], {}, cloth_.internal_damping};
+  if (cells.bends[0] != nullptr) {
+    pulls.bends = {&cells.bends[0]->bend[from], &cells.bends[1]->bend[from + band.a]};
+  }
+  Columns<Real> v{};
+  if (velocities_ != nullptr) v = {rates_[0] + from, rates_[1] + from, rates_[2] + from};
+  pull_cells(pulls, {points_[0] + from, points_[1] + from, points_[2] + from}, v, to - from,
+             pulled);
+}
+
+template <typename Real>
 bool ForceBlocks<Real>::next() {
   first_ += count_;
   if (first_ >= end_) return false;
   if (count_ > 0) keep_history();
   count_ = std::min(points_at_once, end_ - first_);
   for (Direction& d : directions_) fill(d, first_, count_, d.force);
+  for (const Cells& cells : cells_) fill(cells, first_, count_, cells.force);
   return true;
 }
 
 template <typename Real>
 void ForceBlocks<Real>::keep_history() {
-  for (Direction& d : directions_) {
-    const int offset = d.offset;
-    for (Real* force : d.force) {
-      std::memmove(force - offset, force + count_ - offset,
-                   static_cast<std::size_t>(offset) * sizeof(Real));
+  const auto keep = [&](int reach, const auto& forces) {
+    for (Real* force : forces) {
+      std::memmove(force - reach, force + count_ - reach,
+                   static_cast<std::size_t>(reach) * sizeof(Real));
     }
-  }
+  };
+  for (const Direction& d : directions_) keep(d.offset, d.force);
+  for (const Cells& cells : cells_) keep(cells.reach(), cells.force);
 }
 
 template <typename Real>
@@ -351,7 +302,7 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
   int offset[max_terms];
   int n = 0;
   bool has_begun = false;
-  const auto add = [&] {
+  const auto flush = [&] {
     if (has_begun) {  // the sum so far is the start of the rest
       sum_up_to_six(n, 1, forces, force, offset, count_, forces);
     } else {
@@ -360,12 +311,18 @@ void ForceBlocks<Real>::sum(int axis, Real* forces) const {
     has_begun = true;
     n = 0;
   };
-  for (const Direction& d : directions_) {
-    if (n == max_terms) add();
-    force[n] = d.force[axis];
-    offset[n++] = d.offset;
+  const auto add = [&](const Real* of_first, int to_second) {
+    if (n == max_terms) flush();
+    force[n] = of_first;
+    offset[n++] = to_second;
+  };
+  for (const Direction& d : directions_) add(d.force[axis], d.offset);
+  for (const Cells& cells : cells_) {
+    const auto& [a, b] = std::pair(cells.band->a, cells.band->b);
+    add(cells.force[axis], a + b);
+    add(cells.force[3 + axis] - a, b - a);
   }
-  if (n > 0 || !has_begun) add();
+  if (n > 0 || !has_begun) flush();
 }
 
 template class ForceBlocks<double>;

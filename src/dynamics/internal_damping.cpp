@@ -2,6 +2,7 @@
 
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/curved_bends.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -24,6 +25,14 @@ void take_lengths(const Cloth& cloth, Past& past, const Value& value) {
     } else {
       past.lengths.push_back(value([&](const Points& x) { return length_of(x, a, b); }));
     }
+  });
+}
+
+/// The same for the strain of each cell.
+template <typename Value>
+void take_strains(const Cloth& cloth, Past& past, const Value& value) {
+  for_each_cell(cloth, [&](const Cell& cell) {
+    past.strains.push_back(value([&](const Points& x) { return cell.value(x); }));
   });
 }
 
@@ -59,17 +68,19 @@ void add_membrane_gradient(const Cloth& cloth, const Past& past, const Points& p
 Past past_of(const Cloth& cloth, const State& state, double h) {
   if (!is_damped(cloth)) return {};
   const Points& positions = state.positions;
-  Past past{h, {}, {}, positions, positions + h / 2 * state.velocities};
-  take_lengths(cloth, past, [&](const auto& length_of) { return length_of(positions); });
+  Past past{h, {}, {}, {}, positions, positions + h / 2 * state.velocities};
+  const auto value = [&](const auto& at) { return at(positions); };
+  take_lengths(cloth, past, value);
+  take_strains(cloth, past, value);
   return past;
 }
 
 Past past_of(const Cloth& cloth, const Points& positions, const Points& last, double h) {
   if (!is_damped(cloth)) return {};
-  Past past{2 * h / 3, {}, {}, (4 * positions - last) / 3, 2 * positions - last};
-  take_lengths(cloth, past, [&](const auto& length_of) {
-    return (4 * length_of(positions) - length_of(last)) / 3;
-  });
+  Past past{2 * h / 3, {}, {}, {}, (4 * positions - last) / 3, 2 * positions - last};
+  const auto value = [&](const auto& at) { return (4 * at(positions) - at(last)) / 3; };
+  take_lengths(cloth, past, value);
+  take_strains(cloth, past, value);
   return past;
 }
 
@@ -89,6 +100,11 @@ double damping_potential(const Cloth& cloth, const Past& past, const Points& pos
                     change.dot(cloth.triangle_fabric->triangles[t].stretch * change) / 2;
     }
   }
+  id = 0;
+  for_each_cell(cloth, [&](const Cell& cell) {
+    const double change = cell.value(positions) - past.strains[id++];
+    of_springs += cloth.internal_damping[0] * cell.stiffness * change * change / 2;
+  });
   double of_bends = 0;
   if (has_damped_bends(cloth)) {
     const Points change = positions - past.points;
@@ -123,6 +139,12 @@ void add_damping_gradient(const Cloth& cloth, const Past& past, const Points& po
       }
     });
   }
+  id = 0;
+  for_each_cell(cloth, [&](const Cell& cell) {
+    const double change = cell.value(positions) - past.strains[id++];
+    cell.add_gradient(positions, cloth.internal_damping[0] / past.time * cell.stiffness * change,
+                      gradient);
+  });
   if (!has_damped_bends(cloth)) return;
   Points relative;
   remove_rotation(cloth, past.frame, positions - past.points, relative);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
 
@@ -36,6 +37,25 @@ std::array<int, 2> cells_at(const Cells& cells, int column, int row, int right, 
   if (right == 0) return {cells.above_diagonal(column, row), cells.below_diagonal(column - 1, row)};
   const int left = right > 0 ? column : column - 1;
   return {cells.below_diagonal(left, row), cells.above_diagonal(left, row)};
+}
+
+/// The second Piola-Kirchhoff stress of the cells, dW/dE, on both triangles of each.
+void add_cells(const Cloth& cloth, const State& state, const Cells& cells, double wide, double high,
+               Points& stress) {
+  for_each_cell(cloth, [&](const Cell& cell) {
+    const auto& [p, q, r, rest] = cell.strain;
+    const double strain =
+        cell.value(state.positions) +
+        cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
+    const double stress_by_area = cell.stiffness * strain / (wide * high);
+    const Eigen::RowVector3d added =
+        2 * stress_by_area *
+        Eigen::RowVector3d(wide * wide * (p + q - r), high * high * (p + q + r),
+                           wide * high * (p - q));
+    const int column = cell.corners[0] % cloth.columns, row = cell.corners[0] / cloth.columns;
+    stress.row(cells.below_diagonal(column, row)) += added;
+    stress.row(cells.above_diagonal(column, row)) += added;
+  });
 }
 
 /// A pull s on an edge D at rest adds 2 s / A D D^T.
@@ -90,6 +110,7 @@ Points membrane_stress(const Cloth& cloth, const State& state,
       }
     }
   });
+  add_cells(cloth, state, cells, wide, high, stress);
   return stress;
 }
 

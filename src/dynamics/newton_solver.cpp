@@ -1,9 +1,11 @@
 #include "clothsim/dynamics/newton_solver.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/hessian.h"
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/spring_system.h"
@@ -24,6 +26,21 @@ double longest_link(const Cloth& cloth) {
   return (cloth.rest_positions.row(run.first + run.a) - cloth.rest_positions.row(run.first)).norm();
 }
 
+/// The part of a symmetric matrix with positive eigenvalues.
+Eigen::Matrix2d positive_part(const Eigen::Matrix2d& matrix) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(matrix);
+  const Eigen::Matrix2d& vectors = solver.eigenvectors();
+  return vectors * solver.eigenvalues().cwiseMax(0).asDiagonal() * vectors.transpose();
+}
+
+/// Number of the first cell's first pair in SpringSystem.
+int first_cell_pair(const Cloth& cloth) {
+  int id = cloth.num_springs();
+  for_each_bent_pair(cloth, [&](double, int, int) { ++id; });
+  return id;
+}
+
 }  // namespace
 
 struct NewtonSolver::Impl {
@@ -35,6 +52,7 @@ struct NewtonSolver::Impl {
   bool find_step(const Cloth& cloth, const Scalars& weights, const Past& past);
   double bearable(int a, int b) const { return 1 / (1 / spare[a] + 1 / spare[b]); }
   void add_springs(const Cloth& cloth, const Past& past);
+  void add_cells(const Cloth& cloth, const Past& past);
   void add_triangles(const Cloth& cloth, const Past& past);
   void add_bends(const Cloth& cloth, const Past& past);
   void add_curved(const Cloth& cloth, const Past& past);
@@ -91,6 +109,39 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
     add_between(cloth, id, a, b,
                 spring_hessian(spring.stiffness, spring.rest_length, between, min_across));
     ++id;
+  });
+}
+
+/// The Hessian of a cell's strain, of derivatives g and stress s: k g g^T, and s times the second
+/// derivatives of the strain, without their negative part.
+void NewtonSolver::Impl::add_cells(const Cloth& cloth, const Past& past) {
+  std::size_t number = 0;
+  int id = first_cell_pair(cloth);
+  for_each_cell(cloth, [&](const Cell& cell) {
+    double strain = cell.value(positions), stiffness = cell.stiffness;
+    if (!past.empty()) {
+      const double share = cloth.internal_damping[0] / past.time;
+      strain = (strain + share * (strain - past.strains[number++])) / (1 + share);
+      stiffness *= 1 + share;
+    }
+    const auto& [p, q, r, rest] = cell.strain;
+    const Cell::Diagonals by = cell.gradients(positions);
+    const Eigen::Matrix2d across = positive_part(
+        stiffness * strain * (Eigen::Matrix2d() << 2 * p, r, r, 2 * q).finished());
+    const auto block = [&](std::size_t k, std::size_t l) {  // rows of corner k, columns of l
+      const std::size_t d = Cell::diagonal_of(k), e = Cell::diagonal_of(l);
+      Eigen::Matrix3d sum = stiffness * by[d] * by[e].transpose();
+      sum.diagonal().array() += across(static_cast<Eigen::Index>(d), static_cast<Eigen::Index>(e));
+      return Eigen::Matrix3d(Cell::sign(k) * Cell::sign(l) * sum);
+    };
+    for (std::size_t l = 0; l < 4; ++l) {
+      const int b = cell.corners[l];
+      if (cloth.inv_mass[b] > 0) system.add_to_point(b, block(l, l));
+      for (std::size_t k = 0; k < l; ++k, ++id) {
+        const int a = cell.corners[k];
+        if (cloth.inv_mass[a] > 0 && cloth.inv_mass[b] > 0) system.add_between(id, a, block(l, k));
+      }
+    }
   });
 }
 
@@ -195,6 +246,7 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
     add_triangles(cloth, past);
   } else {
     add_springs(cloth, past);
+    add_cells(cloth, past);
   }
   add_bends(cloth, past);
   if (cloth.is_mesh()) add_curved(cloth, past);

@@ -102,6 +102,71 @@ void stiffness_of(const Springs& s, int count, const Matrices<float>& to) {
   set_stiffness(s, count, to[0], to[1], to[2], to[3], to[4], to[5]);
 }
 
+/// Cells from one on, whose first corners are in the columns x, y and z: see CellBand.
+struct CellColumns {
+  const double* x;
+  const double* y;
+  const double* z;
+  const CellBand& band;
+  const double* stiffness;
+};
+
+/// What a cell adds to S_i at both ends of its first diagonal, and of its second one: see the
+/// header. Each in six columns, those of the second after those of the first.
+template <typename Real>
+[[gnu::always_inline]] inline void set_cell_stiffness(const CellColumns& cells, int count,
+                                                      const Matrices<Real>& to) {
+  const int a = cells.band.a, b = cells.band.b;
+  const auto p = static_cast<Real>(cells.band.strain.p), q = static_cast<Real>(cells.band.strain.q);
+  const auto r = static_cast<Real>(cells.band.strain.r);
+  const auto rest = static_cast<Real>(cells.band.strain.rest);
+  const double* const columns[3] = {cells.x, cells.y, cells.z};
+  const double* const stiffness = cells.stiffness;
+  Real* const sums = to.first;
+  const int stride = to.stride;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    Real one[3], two[3], by[2][3];
+    Real one2 = 0, two2 = 0, across = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double* const x = columns[axis] + i;
+      one[axis] = static_cast<Real>(x[a + b] - x[0]);
+      two[axis] = static_cast<Real>(x[b] - x[a]);
+      one2 += one[axis] * one[axis];
+      two2 += two[axis] * two[axis];
+      across += one[axis] * two[axis];
+    }
+    const auto k = static_cast<Real>(stiffness[i]);
+    const Real stress = k * (p * one2 + q * two2 + r * across - rest);
+    for (int axis = 0; axis < 3; ++axis) {
+      by[0][axis] = 2 * p * one[axis] + r * two[axis];
+      by[1][axis] = 2 * q * two[axis] + r * one[axis];
+    }
+    const Real mixed = stress * r < 0 ? -stress * r : stress * r;
+    const Real signs[2] = {p * stress, q * stress};
+    for (int d = 0; d < 2; ++d) {
+      const Real across_it = (signs[d] > 0 ? 2 * signs[d] : Real{0}) + mixed;
+      Real* const s = sums + d * coefficients * stride + i;
+      const Real twice = 2 * k;
+      s[0] = twice * by[d][0] * by[d][0] + across_it;
+      s[stride] = twice * by[d][1] * by[d][1] + across_it;
+      s[2 * stride] = twice * by[d][2] * by[d][2] + across_it;
+      s[3 * stride] = twice * by[d][0] * by[d][1];
+      s[4 * stride] = twice * by[d][1] * by[d][2];
+      s[5 * stride] = twice * by[d][0] * by[d][2];
+    }
+  }
+}
+
+CLOTHSIM_TARGET_CLONES
+void stiffness_of(const CellColumns& cells, int count, const Matrices<double>& to) {
+  set_cell_stiffness(cells, count, to);
+}
+CLOTHSIM_TARGET_CLONES
+void stiffness_of(const CellColumns& cells, int count, const Matrices<float>& to) {
+  set_cell_stiffness(cells, count, to);
+}
+
 CLOTHSIM_TARGET_CLONES
 void add(const double* __restrict what, int count, double* __restrict sum) {
   for (int i = 0; i < count; ++i) sum[i] += what[i];
@@ -145,8 +210,10 @@ class StiffnessBlock {
   /// For points [first, first + count), `count` at most `points_at_once`.
   void sum(const Cloth& cloth, const Points& positions, int first, int count) {
     sums_.assign(coefficients * points_at_once, 0);
+    for (const CellBand& band : cloth.cell_bands) add_cells(band, positions, first, count);
     for_each_band(cloth, [&](const SpringBand& band) {
       const SpringRun& run = *band.begin;
+      if (run.stiffness == 0) return;
       const int from = std::max(band.first(), first - run.offset);
       const int to = std::min(band.first() + band.count(), first + count);
       if (from >= to) return;
@@ -177,8 +244,29 @@ class StiffnessBlock {
   Matrices<Real> matrices() { return {sums_.data(), points_at_once}; }
 
  private:
+  void add_cells(const CellBand& band, const Points& positions, int first, int count) {
+    const int last = band.a + band.b;
+    const int from = std::max(0, first - last);
+    const int to = std::min(static_cast<int>(band.stiffness.size()), first + count);
+    if (from >= to) return;
+    const int stride = to - from;
+    springs_.resize(static_cast<std::size_t>(2 * coefficients * stride));
+    const Matrices<Real> cells{springs_.data(), stride};
+    stiffness_of({&positions(from, 0), &positions(from, 1), &positions(from, 2), band,
+                  &band.stiffness[from]},
+                 stride, cells);
+    for (const auto& [corner, diagonal] : {std::pair(0, 0), {last, 0}, {band.a, 1}, {band.b, 1}}) {
+      const int begin = std::max(from, first - corner);
+      const int end = std::min(to, first + count - corner);
+      for (int c = 0; c < coefficients && begin < end; ++c) {
+        add(cells[coefficients * diagonal + c] + (begin - from), end - begin,
+            matrices()[c] + (begin + corner - first));
+      }
+    }
+  }
+
   std::vector<Real> sums_;
-  std::vector<Real> springs_;  // of one band
+  std::vector<Real> springs_;  // of one band, or its cells
 };
 
 /// Does single precision prove that all frequencies are below `omega`?
@@ -331,7 +419,7 @@ double omega_max_bound(const Cloth& cloth, const Points& positions, double min_o
 }
 
 double omega_max_bound(const Cloth& cloth) {
-  if (cloth.is_mesh()) return infinity;
+  if (cloth.is_mesh() || !cloth.cells.empty()) return infinity;
   const BendsAndDamping added{bends_omega2(cloth), cloth.internal_damping};
   return added.with(springs_bound(cloth));
 }

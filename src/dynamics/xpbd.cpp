@@ -21,6 +21,7 @@ void Xpbd::build(const Cloth& cloth, double h) {
     membranes_ = {};
     build_springs(cloth, h);
   }
+  build_cells(cloth, h);
   build_bends(cloth, h);
   build_patches(cloth, h);
   build_curved(cloth, h);
@@ -51,6 +52,16 @@ void Xpbd::build_springs(const Cloth& cloth, double h) {
                   std::array<int, 2>{a, b});
   });
   colouring.move_to(constraints_, colour_ends_);
+}
+
+void Xpbd::build_cells(const Cloth& cloth, double h) {
+  const double time2 = h * Drag(cloth.damping, h).distance;
+  const double damped = 1 + cloth.internal_damping[0] / h;
+  Colouring<CellConstraint> colouring(cloth);
+  for_each_cell(cloth, [&](const Cell& cell) {
+    colouring.add({cell, 1 / (cell.stiffness * damped * time2), 0, 0}, cell.corners);
+  });
+  colouring.move_to(cells_.list, cells_.colour_ends);
 }
 
 void Xpbd::build_bends(const Cloth& cloth, double h) {
@@ -85,6 +96,9 @@ void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
     const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
     spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
   }
+  for (CellConstraint& c : cells_.list) {
+    c.target = of_springs / h * c.cell.value(positions) / (1 + of_springs / h);
+  }
   for (MembraneConstraint& c : membranes_.list) {
     const double share = cloth.internal_damping_at(c.corners[0])[0] / h;
     c.target = (c.rest2 + share * squared_edges(c.corners, positions)) / (1 + share);
@@ -117,6 +131,27 @@ void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const
     react(cloth, spring.b, correction);
   };
   parallel_for_colours(colour_ends_, back, workers, solve_one);
+}
+
+void Xpbd::solve_cells(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
+  parallel_for_colours(cells_.colour_ends, back, workers, [&](std::size_t id) {
+    CellConstraint& c = cells_.list[id];
+    const Cell::Diagonals by = c.cell.gradients(positions);
+    double inv_mass = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      inv_mass += cloth.inv_mass[c.cell.corners[k]] * by[Cell::diagonal_of(k)].squaredNorm();
+    }
+    const double change = (c.target - c.cell.value(positions) - c.compliance * c.lambda) /
+                          (inv_mass + c.compliance);
+    c.lambda += change;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int i = c.cell.corners[k];
+      const Eigen::RowVector3d correction =
+          change * Cell::sign(k) * by[Cell::diagonal_of(k)].transpose();
+      positions.row(i) += cloth.inv_mass[i] * correction;
+      react(cloth, i, correction);
+    }
+  });
 }
 
 /// A pass over triangles, each with its three squared lengths at once: multipliers change by
@@ -182,6 +217,20 @@ void Xpbd::pull_by_springs(const Cloth& cloth, const Points& positions) {
   }
 }
 
+void Xpbd::pull_by_cells(const Cloth& cloth, const Points& positions) {
+  for (const CellConstraint& c : cells_.list) {
+    const Cell::Diagonals by = c.cell.gradients(positions);
+    const CellStrain& strain = c.cell.strain;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int i = c.cell.corners[k];
+      const std::size_t d = Cell::diagonal_of(k);
+      pull(cloth, i, c.lambda * Cell::sign(k) * by[d].transpose());
+      const double across = 2 * std::abs(d == 0 ? strain.p : strain.q) + std::abs(strain.r);
+      turn_[i] += 2 * cloth.inv_mass[i] * std::abs(c.lambda) * across;
+    }
+  }
+}
+
 void Xpbd::pull_by_membranes(const Cloth& cloth, const Points& positions) {
   for (const MembraneConstraint& c : membranes_.list) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -212,6 +261,7 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
   reactions_.setZero();
   turn_.setOnes(cloth.num_points());
   pull_by_springs(cloth, positions);
+  pull_by_cells(cloth, positions);
   pull_by_membranes(cloth, positions);
   pull_by_bends(cloth);
   pull_by_patches(cloth);
@@ -239,6 +289,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   start_ = state.positions;
   reactions_.setZero(cloth.num_points(), 3);
   lambda_.assign(constraints_.size(), 0);
+  for (CellConstraint& c : cells_.list) c.lambda = 0;
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
   for (BendConstraint& c : bends_.list) c.lambda.setZero();
   for (PatchConstraint& c : patches_.list) c.lambda.setZero();
@@ -250,6 +301,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
     if (i > 0) realign(cloth, state.positions);
     if (i > 0 && has_targets) set_bend_targets(cloth, h, state.positions - past_, workers);
     solve_springs(cloth, false, state.positions, workers);
+    solve_cells(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {
       solve_bends(cloth, back, state.positions, workers);
@@ -257,6 +309,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
       solve_curved(cloth, back, state.positions, workers);
     }
     solve_membranes(cloth, true, state.positions, workers);
+    solve_cells(cloth, true, state.positions, workers);
     solve_springs(cloth, true, state.positions, workers);
   }
   state.velocities += (state.positions - start_) / h;

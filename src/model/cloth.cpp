@@ -36,6 +36,15 @@ void add_pairs(const BendRun& run, int num_points, std::vector<PairBand>& bands)
   add(run.a, run.b, -1);
 }
 
+CellBand& cell_band_of(const CellRun& run, int num_points, std::vector<CellBand>& bands) {
+  const auto found = std::find_if(bands.begin(), bands.end(), [&](const CellBand& band) {
+    return band.a == run.a && band.b == run.b && band.strain == run.strain;
+  });
+  if (found != bands.end()) return *found;
+  bands.push_back({run.a, run.b, run.strain, Scalars::Zero(num_points - run.a - run.b)});
+  return bands.back();
+}
+
 BendBand& bend_band_of(const BendRun& run, int num_points, std::vector<BendBand>& bands) {
   const auto found = std::find_if(bands.begin(), bands.end(), [&](const BendBand& band) {
     return band.a == run.a && band.b == run.b;
@@ -78,7 +87,9 @@ void set_bands(Cloth& cloth) {
   const int n = cloth.num_points();
   cloth.pairs.clear();
   cloth.bend_bands.clear();
+  cloth.cell_bands.clear();
   for (const SpringRun& run : cloth.springs) {
+    if (run.stiffness == 0) continue;
     PairBand& band = band_of(run.offset, run.rest_length, n, cloth.pairs);
     if (band.spring.size() == 0) band.spring.setZero(n - run.offset);
     band.spring.segment(run.first, run.count).array() += run.stiffness;
@@ -86,6 +97,10 @@ void set_bands(Cloth& cloth) {
   for (const BendRun& run : cloth.bends) {
     add_pairs(run, n, cloth.pairs);
     bend_band_of(run, n, cloth.bend_bands).stiffness.segment(run.first, run.count).array() +=
+        run.stiffness;
+  }
+  for (const CellRun& run : cloth.cells) {
+    cell_band_of(run, n, cloth.cell_bands).stiffness.segment(run.first, run.count).array() +=
         run.stiffness;
   }
 }

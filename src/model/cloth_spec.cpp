@@ -10,6 +10,7 @@ namespace {
 constexpr Range ks_range{0, 1e12, "N/m"};
 constexpr Range bending_stiffness_range{0, 1e9, "N m"};
 constexpr Range internal_damping_range{0, 1e6, "s"};
+constexpr Range poisson_range{-0.99, 0.99, ""};  // at 1 the sheet has a strain without energy
 constexpr Range drag_range{0, 1e3, ""};
 constexpr Range density_range{1e-6, 1e9, "kg/m^2"};
 constexpr Range damping_range{0, 1e6, "1/s"};
@@ -80,26 +81,7 @@ void validate(const Fabric& fabric) {
   check_range("shear_stiffness", fabric.shear_stiffness, ks_range);
   check_pair("bending_stiffness", fabric.bending_stiffness, bending_stiffness_range);
   check_pair("internal_damping", fabric.internal_damping, internal_damping_range);
-}
-
-/// The diagonals of a cell of w x h add G w^2 / h^2 to the stiffness along w. Springs along w have
-/// the rest, which must not be negative; where the stretch stiffness is 0, there are none.
-void check_shear(const ClothSpec& spec) {
-  if (!spec.material.fabric || spec.mesh || spec.columns < 2 || spec.rows < 2) return;
-  if (!spec.material.springs[static_cast<std::size_t>(SpringFamily::shear)]) return;
-  const Fabric& fabric = *spec.material.fabric;
-  const double ratio =
-      (spec.width / (spec.columns - 1)) / (spec.height / (spec.rows - 1));  // of a cell
-  const std::array<double, 2> added{fabric.shear_stiffness * ratio * ratio,
-                                    fabric.shear_stiffness / (ratio * ratio)};
-  for (std::size_t i = 0; i < added.size(); ++i) {
-    const double stretch = fabric.stretch_stiffness[i];
-    if (stretch == 0 || stretch >= added[i]) continue;
-    throw InvalidValue({"shear_stiffness"}, to_text(fabric.shear_stiffness),
-                       "so little that the diagonals of a cell, " + to_text(ratio) +
-                           " times as wide as it is high, give no more than stretch_stiffness " +
-                           to_text(stretch) + " [N/m]: they give " + to_text(added[i]));
-  }
+  check_range("poisson", fabric.poisson, poisson_range);
 }
 
 template <typename Value>
@@ -133,6 +115,7 @@ void take_changes(const Material& before, const Material& after, Material& to) {
        to.fabric->bending_stiffness);
   take(before.fabric->internal_damping, after.fabric->internal_damping,
        to.fabric->internal_damping);
+  take(before.fabric->poisson, after.fabric->poisson, to.fabric->poisson);
 }
 
 std::string grid_point_text(int column, int row) {
@@ -178,7 +161,6 @@ void validate_contact(double thickness, double friction) {
 
 void validate(const ClothSpec& spec) {
   validate_as_triangles(spec);
-  check_shear(spec);
 }
 
 void validate_as_triangles(const ClothSpec& spec) {

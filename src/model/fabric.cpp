@@ -17,9 +17,7 @@ struct FabricGrid {
   bool has(SpringFamily family) const {
     return spec.material.springs[static_cast<std::size_t>(family)];
   }
-  bool has_diagonals() const {
-    return has(SpringFamily::shear) && spec.columns > 1 && spec.rows > 1;
-  }
+  bool has_cells() const { return spec.columns > 1 && spec.rows > 1; }
 
   /// Width that points of a column own [m], and height that points of a row own.
   double width_of(int column) const { return owned(column, spec.columns, du, spec.width); }
@@ -47,10 +45,10 @@ void set_masses(const FabricGrid& grid, Cloth& cloth) {
   }
 }
 
-/// Stiffness along the threads less the share of the diagonals [N/m].
-double left_to_threads(const FabricGrid& grid, double stretch, double along, double across) {
-  if (!grid.has_diagonals()) return stretch;
-  return std::max(stretch - grid.fabric.shear_stiffness * along * along / (across * across), 0.0);
+/// Stiffness of the springs along the threads: the rest of it is in couple_threads() [N/m].
+double along_threads(const FabricGrid& grid, std::size_t direction) {
+  const double coupled = grid.has_cells() ? std::abs(grid.fabric.poisson) : 0;
+  return (1 - coupled) * grid.fabric.stretch_stiffness[direction];
 }
 
 /// Rows of `count` springs each, inner ones first: springs on the border are half as stiff.
@@ -62,12 +60,12 @@ void add_threads(const FabricGrid& grid, Cloth& cloth) {
     cloth.springs.push_back(
         {SpringFamily::structural, first, offset, count, rest_length, stiffness});
   };
-  const double warp = left_to_threads(grid, grid.fabric.stretch_stiffness[0], grid.du, grid.dv);
+  const double warp = along_threads(grid, 0);
   for (int row = 0; row < rows; ++row) {
     add(row * columns, 1, columns - 1, grid.du, warp * grid.height_of(row) / grid.du);
   }
 
-  const double weft = left_to_threads(grid, grid.fabric.stretch_stiffness[1], grid.dv, grid.du);
+  const double weft = along_threads(grid, 1);
   const auto weft_stiffness = [&](int column) { return weft * grid.width_of(column) / grid.dv; };
   for (int row = 0; row + 1 < rows; ++row) {
     add(row * columns + 1, columns, columns - 2, grid.dv, weft_stiffness(1));
@@ -80,16 +78,41 @@ void add_threads(const FabricGrid& grid, Cloth& cloth) {
   }
 }
 
+/// Springs without stiffness, for the strain limit.
 void add_diagonals(const FabricGrid& grid, Cloth& cloth) {
   const double length = std::hypot(grid.du, grid.dv);
-  const double stiffness = grid.fabric.shear_stiffness * length * length / (2 * grid.du * grid.dv);
   for (const int to : {1, -1}) {
     for (int row = 0; row + 1 < cloth.rows; ++row) {
       const int first = row * cloth.columns + (to > 0 ? 0 : 1);
       cloth.springs.push_back(
-          {SpringFamily::shear, first, cloth.columns + to, cloth.columns - 1, length, stiffness});
+          {SpringFamily::shear, first, cloth.columns + to, cloth.columns - 1, length, 0});
     }
   }
+}
+
+void add_cells(const CellStrain& strain, double stiffness, Cloth& cloth) {
+  if (stiffness == 0) return;
+  for (int row = 0; row + 1 < cloth.rows; ++row) {
+    cloth.cells.push_back(
+        {row * cloth.columns, 1, cloth.columns, cloth.columns - 1, strain, stiffness});
+  }
+}
+
+/// m_u . m_v / (du dv), the cosine of the angle between the mean sides where these keep their
+/// lengths, with the shear stiffness.
+void resist_shear(const FabricGrid& grid, Cloth& cloth) {
+  const double area = grid.du * grid.dv, share = 1 / (4 * area);
+  add_cells({share, -share, 0, 0}, grid.fabric.shear_stiffness * area, cloth);
+}
+
+/// (sqrt(C11) e_u +- sqrt(C22) e_v) / sqrt(C11 + C22), with Green's strains e of the mean sides.
+void couple_threads(const FabricGrid& grid, Cloth& cloth) {
+  const auto& [warp, weft] = grid.fabric.stretch_stiffness;
+  const double u = std::sqrt(warp / (warp + weft));
+  const double v = std::copysign(std::sqrt(weft / (warp + weft)), grid.fabric.poisson);
+  const double along = u / (8 * grid.du * grid.du), across = v / (8 * grid.dv * grid.dv);
+  add_cells({along + across, along + across, 2 * (across - along), (u + v) / 2},
+            std::abs(grid.fabric.poisson) * (warp + weft) * grid.du * grid.dv, cloth);
 }
 
 void add_bends(const FabricGrid& grid, Cloth& cloth) {
@@ -122,8 +145,14 @@ void add_fabric(const ClothSpec& spec, Cloth& cloth) {
   const FabricGrid grid(spec);
   cloth.internal_damping = grid.fabric.internal_damping;
   set_masses(grid, cloth);
-  if (grid.has(SpringFamily::structural)) add_threads(grid, cloth);
-  if (grid.has_diagonals()) add_diagonals(grid, cloth);
+  if (grid.has(SpringFamily::structural)) {
+    add_threads(grid, cloth);
+    if (grid.has_cells() && grid.fabric.poisson != 0) couple_threads(grid, cloth);
+  }
+  if (grid.has(SpringFamily::shear) && grid.has_cells()) {
+    add_diagonals(grid, cloth);
+    resist_shear(grid, cloth);
+  }
   if (grid.has(SpringFamily::bending)) add_bends(grid, cloth);
   set_bands(cloth);
 }

@@ -36,12 +36,9 @@ Eigen::Matrix3d moduli(const Material& material) {
   if (has(SpringFamily::structural)) {
     c(0, 0) = fabric.stretch_stiffness[0];
     c(1, 1) = fabric.stretch_stiffness[1];
+    c(0, 1) = c(1, 0) = fabric.poisson * std::sqrt(c(0, 0) * c(1, 1));
   }
-  if (has(SpringFamily::shear)) {
-    c(2, 2) = fabric.shear_stiffness;
-    const double largest = std::sqrt(c(0, 0) * c(1, 1));
-    c(0, 1) = c(1, 0) = std::min(fabric.shear_stiffness, largest);
-  }
+  if (has(SpringFamily::shear)) c(2, 2) = fabric.shear_stiffness;
   return c;
 }
 

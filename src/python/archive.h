@@ -73,7 +73,7 @@ void serialize(Archive& archive, clothsim::Grip& grip) {
 template <class Archive>
 void serialize(Archive& archive, clothsim::Fabric& fabric) {
   archive(fabric.stretch_stiffness, fabric.shear_stiffness, fabric.bending_stiffness,
-          fabric.internal_damping);
+          fabric.internal_damping, fabric.poisson);
 }
 
 template <class Archive>

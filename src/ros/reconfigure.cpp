@@ -29,6 +29,7 @@ void for_each_value(Config& config, Fabric& fabric, Visit&& visit) {
   visit(config.bending_stiffness_weft, fabric.bending_stiffness[1]);
   visit(config.internal_damping_stretch, fabric.internal_damping[0]);
   visit(config.internal_damping_bending, fabric.internal_damping[1]);
+  visit(config.poisson, fabric.poisson);
 }
 
 /// Calls visit(of the configuration, of the cloth) for each value of one of several cloths.

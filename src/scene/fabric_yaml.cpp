@@ -13,8 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 5> fabric_keys = {
-    "fabric", "stretch_stiffness", "shear_stiffness", "bending_stiffness", "internal_damping"};
+constexpr std::array<const char*, 6> fabric_keys = {"fabric",           "stretch_stiffness",
+                                                    "shear_stiffness",  "bending_stiffness",
+                                                    "internal_damping", "poisson"};
 
 /// The file of a fabric: a path that ends in .yaml, relative to `folder`, or a name in
 /// config/fabrics of the package. Throws InvalidValue, which lists the names.
@@ -67,7 +68,8 @@ std::vector<Field> fabric_fields(Fabric& fabric) {
   return {{"stretch_stiffness", into(fabric.stretch_stiffness)},
           {"shear_stiffness", into(fabric.shear_stiffness)},
           {"bending_stiffness", into(fabric.bending_stiffness)},
-          {"internal_damping", into(fabric.internal_damping)}};
+          {"internal_damping", into(fabric.internal_damping)},
+          {"poisson", into(fabric.poisson)}};
 }
 
 std::vector<Field> own_live_fields(Material& material) {

@@ -40,7 +40,7 @@ std::string text(const Material& material) {
   std::string springs;
   for (const bool on : material.springs) springs += on ? '1' : '0';
   return join({text(material.density), text(warp), text(weft), text(fabric.shear_stiffness),
-               text(bend_warp), text(bend_weft), springs});
+               text(bend_warp), text(bend_weft), text(fabric.poisson), springs});
 }
 
 /// Hash of all numbers of a mesh.

@@ -6,6 +6,7 @@
 
 #include "clothsim/constraints/contact_step.h"
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/triangle_forces.h"
@@ -111,6 +112,22 @@ double work_on_bends(const Cloth& cloth, const State& before, const Scalars& len
   return work;
 }
 
+/// The same against cells.
+double work_on_cells(const Cloth& cloth, const State& before, const Scalars& lengths) {
+  double work = 0;
+  for_each_cell(cloth, [&](const Cell& cell) {
+    const double one = lengths[cell.corners[0]] + lengths[cell.corners[3]];
+    const double two = lengths[cell.corners[1]] + lengths[cell.corners[2]];
+    if (one == 0 && two == 0) return;
+    const auto& [p, q, r, rest] = cell.strain;
+    const Cell::Diagonals by = cell.gradients(before.positions);
+    const double change = (by[0].norm() + std::abs(p) * one) * one +
+                          (by[1].norm() + std::abs(q) * two) * two + std::abs(r) * one * two;
+    work += cell.stiffness * (std::abs(cell.value(before.positions)) + change / 2) * change;
+  });
+  return work;
+}
+
 /// The same against the membrane of a mesh: pulls |s| on squared edges q, which change by at most
 /// 2 l s + s^2 =: d, and d |K| d / 2.
 double work_on_membrane(const Cloth& cloth, const State& before, const Points& displacements) {
@@ -149,7 +166,7 @@ double work_on_springs(const Cloth& cloth, const State& before, const Points& di
     const double length = (before.positions.row(b) - before.positions.row(a)).norm();
     work += run.stiffness * (std::abs(length - run.rest_length) * longer + longer * longer / 2);
   });
-  return work + work_on_bends(cloth, before, lengths);
+  return work + work_on_cells(cloth, before, lengths) + work_on_bends(cloth, before, lengths);
 }
 
 }  // namespace

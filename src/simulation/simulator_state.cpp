@@ -251,9 +251,11 @@ std::size_t Simulator::bytes_of(const Saved& saved) {
   for (const auto& [frame, grip] : saved.grips.all()) {
     held += sizeof(Grip) + bytes(frame) + bytes(grip.held) + bytes(grip.bodies);
   }
-  std::size_t bytes_of_bands = bytes(cloth.pairs) + bytes(cloth.bend_bands);
+  std::size_t bytes_of_bands =
+      bytes(cloth.cells) + bytes(cloth.pairs) + bytes(cloth.bend_bands) + bytes(cloth.cell_bands);
   for (const PairBand& band : cloth.pairs) bytes_of_bands += bytes(band.spring) + bytes(band.bend);
   for (const BendBand& band : cloth.bend_bands) bytes_of_bands += bytes(band.stiffness);
+  for (const CellBand& band : cloth.cell_bands) bytes_of_bands += bytes(band.stiffness);
   return held + bytes(cloth.rest_positions) + bytes(cloth.uv) + bytes(cloth.triangles) +
          bytes(cloth.springs) + bytes(cloth.bends) + bytes_of_bands + bytes(cloth.mass) +
          bytes(cloth.first_points) + bytes(cloth.first_triangles) + bytes(cloth.frictions) +

@@ -127,6 +127,7 @@ void Caller::spoil(Fabric& fabric) {
   if (is_hostile()) fabric.shear_stiffness = hostile();
   if (is_hostile()) fabric.bending_stiffness[draw_.whole(0, 1)] = hostile();
   if (is_hostile()) fabric.internal_damping[draw_.whole(0, 1)] = hostile();
+  if (is_hostile()) fabric.poisson = hostile();
 }
 
 void Caller::set_material() {

@@ -83,7 +83,7 @@ inline std::string print(const Scene& scene) {
     out << " fabric " << fabric.stretch_stiffness[0] << ' ' << fabric.stretch_stiffness[1] << ' '
         << fabric.shear_stiffness << ' ' << fabric.bending_stiffness[0] << ' '
         << fabric.bending_stiffness[1] << ' ' << fabric.internal_damping[0] << ' '
-        << fabric.internal_damping[1];
+        << fabric.internal_damping[1] << ' ' << fabric.poisson;
   }
   if (material.drag != Material().drag) {
     out << " drag " << material.drag[0] << ' ' << material.drag[1];

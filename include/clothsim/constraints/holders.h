@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clothsim/constraints/contact_step.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/memory.h"
 #include "clothsim/model/state.h"
@@ -146,7 +147,15 @@ class Holders {
     std::size_t corner;
   };
 
+  /// A cell of a fabric with a held corner.
+  struct HeldCell {
+    std::size_t point;  // in points_
+    Cell cell;
+    std::size_t corner;
+  };
+
   void list_springs(const Cloth&);
+  void list_cells(const Cloth&);
   void list_corners(const Cloth&);
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;
@@ -158,6 +167,7 @@ class Holders {
   std::vector<double> strengths_;
   std::vector<Spring> springs_;
   std::vector<HeldCorner> corners_;
+  std::vector<HeldCell> cells_;
   std::vector<std::vector<std::size_t>> of_holder_;  // points_ by holder
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]

@@ -12,7 +12,7 @@ namespace clothsim {
 /// valid.
 class ClothWatch {
  public:
-  /// Do springs, bends, masses, pins, drag or the step h [s] differ from those of the last call?
+  /// Do springs, bends, cells, masses, pins, drag or the step h [s] differ from those of the last call?
   /// True at the first call.
   bool changed(const Cloth&, double h);
 
@@ -26,6 +26,7 @@ class ClothWatch {
   Scalars inv_mass_;
   std::vector<SpringRun> springs_;
   std::vector<BendRun> bends_;
+  std::vector<CellRun> cells_;
   std::shared_ptr<const TriangleFabric> triangle_fabric_;
   std::array<double, 2> internal_damping_{};
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "clothsim/dynamics/forces.h"
@@ -51,10 +52,23 @@ class ForceBlocks {
     const SpringRun* end;
     Real* force[3];  // on the first points of its springs, after those of earlier points
   };
+  /// Cells, with the bends along both diagonals, if any.
+  struct Cells {
+    const CellBand* band;
+    std::array<const PairBand*, 2> bends;
+    Real* force[6];  // on the first ends of each diagonal, by first corner, as above
+
+    int reach() const { return band->a + band->b; }
+  };
 
   void group();
+  void group_bands();
+  const PairBand* bends_of_cells(const CellBand&, int offset, int lead) const;
   void take_points();
+  template <typename Item>
+  Real* place(int reach, int kept, Real* free, Item& item);
   void fill(Direction&, int first, int count, Real* const force[3]) const;
+  void fill(const Cells&, int first, int count, Real* const force[6]) const;
   /// Computes the forces of springs or pairs with the first points [from, from + count).
   void pull_between(const Direction&, int from, int count, Real* const force[3]) const;
   void keep_history();
@@ -66,6 +80,7 @@ class ForceBlocks {
   int count_ = 0;
   int end_;
   std::vector<Direction> directions_;
+  std::vector<Cells> cells_;
   const Points* velocities_;                         // null: no damping
   const Real* points_[3];                            // columns of positions
   const Real* rates_[3];                             // of velocities, if any

@@ -20,13 +20,19 @@ namespace clothsim {
 /// omega_max^2 <= max_i 2 lambda_max(S_i) / m_i: Gershgorin's theorem on 3 x 3 blocks. It keeps the
 /// springs' directions, unlike the scalar form 2 max_i sum k / m_i. Compressed springs count
 /// without their (negative) second part, so the bound holds for them too. A bound below `min_omega`
-/// returns `min_omega`: that needs no eigenvalue, and single precision mostly suffices. For the
+/// returns `min_omega`: that needs no eigenvalue, and single precision mostly suffices.
+///
+/// A strain c of a cell, with the derivatives g_d by its diagonals and stress s = k c, changes by g_1
+/// . (w_3 - w_0) + g_2 . (w_2 - w_1), so that it adds 2 k g_d g_d^T to S_i of both ends of a
+/// diagonal, and across it max(0, 2 s p) + |s r|, see CellStrain.
+///
+/// For the
 /// triangles of a mesh see membrane_bounds(); its pieces do not move each other.
 double omega_max_bound(const Cloth&, const Points& positions, double min_omega = 0,
                        const Workers& = {});
 
 /// The same at any positions, by the scalar form: on a grid up to 48 % above it, and far cheaper.
-/// Infinite for a mesh, whose stiffness grows with its stretch.
+/// Infinite for a fabric, whose stiffness grows with its stretch.
 double omega_max_bound(const Cloth&);
 
 }  // namespace clothsim

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/cloth.h"
 
 namespace clothsim {
 
 /// A symmetric positive definite system over the points of a cloth, with a Size x Size block for
-/// each point and each pair that a spring or a bend joins. Pins have the unit block, without
+/// each point and each pair that a spring, a bend or a cell joins. Pins have the unit block, without
 /// springs.
 ///
 /// Solved by Eigen's L D L^T with approximate minimum degree ordering. At 50 x 50 points with
@@ -27,9 +28,14 @@ class SpringSystem {
 
   /// Sets all to zero, and lays out the matrix again where the joined points have changed.
   void begin(const Cloth& cloth) {
-    Joints joints{{cloth.num_points(), 0, 0}};
+    Joints joints{{cloth.num_points(), static_cast<int>(cloth.springs.size()),
+                   static_cast<int>(cloth.bends.size())}};
     for (const SpringRun& run : cloth.springs) joints.push_back({run.first, run.offset, run.count});
     for (const BendRun& run : cloth.bends) {
+      joints.push_back({run.first, run.a, run.count});
+      joints.push_back({run.first, run.b, run.count});
+    }
+    for (const CellRun& run : cloth.cells) {
       joints.push_back({run.first, run.a, run.count});
       joints.push_back({run.first, run.b, run.count});
     }
@@ -50,8 +56,8 @@ class SpringSystem {
     }
   }
 
-  /// Adds pair `id`, in the order of for_each_spring and then of for_each_bent_pair, of free points
-  /// a < b: `block` to both points, -`block` between them.
+  /// Adds pair `id`, in the order of for_each_spring, for_each_bent_pair and for_each_cell (there of
+  /// corners 0 1, 0 2, 1 2, 0 3, 1 3, 2 3), of free points a < b: `block` to both points, -`block` between them.
   void add_pair(int id, int a, int b, const Block& block) {
     add_to_point(a, block);
     add_to_point(b, block);
@@ -90,6 +96,11 @@ class SpringSystem {
   static void for_each_joint(const Cloth& cloth, Visitor&& visit) {
     for_each_spring(cloth, [&](const SpringRun&, int a, int b) { visit(a, b); });
     for_each_bent_pair(cloth, [&](double, int a, int b) { visit(a, b); });
+    for_each_cell(cloth, [&](const Cell& cell) {
+      for (std::size_t l = 0; l < cell.corners.size(); ++l) {
+        for (std::size_t k = 0; k < l; ++k) visit(cell.corners[k], cell.corners[l]);
+      }
+    });
   }
 
   void lay_out(const Cloth& cloth) {

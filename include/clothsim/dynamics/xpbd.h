@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clothsim/dynamics/bends.h"
+#include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/model/checks.h"
@@ -26,7 +27,7 @@ namespace clothsim {
 /// many iterations is not quite implicit Euler's. So each iteration but the first moves points to
 /// the places that the multipliers give with the springs' present directions.
 ///
-/// A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
+/// A strain of a fabric's cell is a constraint, see CellRun. A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
 /// bend is a constraint on the three components of its stencil; those of a triangle are solved
 /// together, see PatchBend. Internal damping makes constraints stiffer, towards their values at the
 /// step's start: see DampedSpring. That of a bend that is curved at rest is a constraint of its
@@ -78,6 +79,13 @@ class Xpbd {
     Vector3 target;             // [m^2], of a step: Q without internal damping
     Vector3 lambda;
   };
+  /// A strain of a cell.
+  struct CellConstraint {
+    Cell cell;
+    double compliance;  // as above [1/J]
+    double target;      // of a step
+    double lambda;
+  };
   /// A bend of a grid.
   struct BendConstraint {
     Bend bend;
@@ -120,6 +128,7 @@ class Xpbd {
   };
   void build(const Cloth&, double h);
   void build_springs(const Cloth&, double h);
+  void build_cells(const Cloth&, double h);
   void build_membranes(const Cloth&, double h);
   void build_bends(const Cloth&, double h);
   void build_patches(const Cloth&, double h);
@@ -136,8 +145,10 @@ class Xpbd {
   void solve_curved(const Cloth&, const PatchBend&, const Derivatives&, const Vector3& residual,
                     double compliance, Vector3& lambda, Points& positions);
   void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
+  void solve_cells(const Cloth&, bool back, Points& positions, const Workers&);
   void pull(const Cloth&, int i, const Eigen::RowVector3d& correction);
   void pull_by_springs(const Cloth&, const Points& positions);
+  void pull_by_cells(const Cloth&, const Points& positions);
   void pull_by_membranes(const Cloth&, const Points& positions);
   void pull_by_bends(const Cloth&);
   void pull_by_patches(const Cloth&);
@@ -152,6 +163,7 @@ class Xpbd {
   std::vector<Constraint> constraints_;  // by colour
   std::vector<int> colour_ends_;         // in constraints_
   std::vector<double> lambda_;           // as constraints_
+  Coloured<CellConstraint> cells_;
   Coloured<MembraneConstraint> membranes_;
   Coloured<BendConstraint> bends_;     // of a grid
   Coloured<PatchConstraint> patches_;  // of a mesh

@@ -24,7 +24,7 @@ struct SpringRun {
   int offset;  // > 0
   int count;
   double rest_length;  // [m]
-  double stiffness;    // [N/m]
+  double stiffness;    // [N/m]; 0 for diagonals of a fabric, which CellRun makes stiff
   int batch = 0;       // of a mesh: springs of one batch share no point
 };
 
@@ -45,6 +45,40 @@ struct BendBand {
   int a;
   int b;
   Scalars stiffness;  // [N/m], zero where there is none
+};
+
+/// A strain of a cell with the diagonals d_1 (to the corner across) and d_2 (from the second corner
+/// to the third): c = p |d_1|^2 + q |d_2|^2 + r d_1 . d_2 - c_0. The products of the cell's mean
+/// sides, and so Green's strains of the cell, have this form: the sides are (d_1 - d_2) / 2 and
+/// (d_1 + d_2) / 2.
+struct CellStrain {
+  double p;
+  double q;
+  double r;
+  double rest;  // c_0
+
+  bool operator==(const CellStrain& other) const {
+    return p == other.p && q == other.q && r == other.r && rest == other.rest;
+  }
+};
+
+/// `count` equal cells of a fabric, with the corners i, i + a, i + b, i + a + b for i in [first,
+/// first + count). Each has the energy k c^2 / 2.
+struct CellRun {
+  int first;
+  int a;
+  int b;
+  int count;
+  CellStrain strain;
+  double stiffness;  // k
+};
+
+/// The cells of all points i in [0, N - a - b) with the same strain, see CellRun.
+struct CellBand {
+  int a;
+  int b;
+  CellStrain strain;
+  Scalars stiffness;  // zero where there is none
 };
 
 /// The sum of all energies between points i and i + offset, i in [0, N - offset): a spring, and the
@@ -68,8 +102,10 @@ struct Cloth {
   std::vector<int> first_triangles;                       // the same
   std::vector<SpringRun> springs;                         // of the families switched on
   std::vector<BendRun> bends;                             // of a fabric
-  std::vector<BendBand> bend_bands;                       // of a fabric on a grid: see set_bands()
+  std::vector<CellRun> cells;                             // of a fabric on a grid
+  std::vector<BendBand> bend_bands;                       // the same: see set_bands()
   std::vector<PairBand> pairs;                            // the same
+  std::vector<CellBand> cell_bands;                       // the same
   std::shared_ptr<const TriangleFabric> triangle_fabric;  // of a mesh, null for a grid
   Scalars mass;                                           // [kg], N
   Scalars inv_mass;                                       // [1/kg], N; zero at pins
@@ -108,8 +144,10 @@ struct Cloth {
   }
 
   /// Whether there are forces between its points.
-  bool has_forces() const { return !springs.empty() || !bends.empty(); }
+  bool has_forces() const { return !springs.empty() || !bends.empty() || !cells.empty(); }
   bool is_mesh() const { return triangle_fabric != nullptr; }
+  /// Whether it is a fabric on a grid: its bands have all of its forces.
+  bool has_bands() const { return !pairs.empty() || !cell_bands.empty(); }
 };
 
 /// Whether it has internal damping.
@@ -120,7 +158,8 @@ inline bool is_damped(const Cloth& cloth) {
 /// Whether all points have the same thickness in both.
 bool has_same_thickness(const Cloth&, const Cloth&);
 
-/// Sets the bands of a grid by its springs and bends: bends by stencil, and all by pairs of points.
+/// Sets the bands of a grid by its springs, bends and cells: bends by stencil, cells by strain, and
+/// springs and bends by pairs of points.
 void set_bands(Cloth&);
 
 }  // namespace clothsim

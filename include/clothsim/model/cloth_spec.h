@@ -22,13 +22,14 @@ inline constexpr std::array<const char*, 3> spring_family_names = {"structural",
 /// columns. Values are per width of the material and do not depend on the grid.
 struct Fabric {
   /// Stiffness of each thread direction with the other one held [N/m], C11 and C22. With free width
-  /// it is lower by G^2 / C, with G the shear stiffness.
+  /// it is lower by the factor 1 - poisson^2.
   std::array<double, 2> stretch_stiffness{};
-  double shear_stiffness = 0;                 // [N/m] shear force by angle; equals C12
+  double shear_stiffness = 0;                 // [N/m] shear force by angle
   std::array<double, 2> bending_stiffness{};  // [N m] moment per width by curvature
   /// Viscosity by stiffness [s], of stretch and shear, and of bending. An oscillation at omega has
   /// the share omega tau / 2 of critical damping; rigid motion is not damped.
   std::array<double, 2> internal_damping{};
+  double poisson = 0;  // C12 / sqrt(C11 C22): geometric mean of both Poisson's ratios
 };
 
 /// Parameters that may change during the simulation; applied between frames.
