@@ -84,11 +84,27 @@ void Holders::hold(const std::vector<Hold>& holds,
   stick_distance_ = stick_share * std::min(shortest_rest_length(cloth), 1.0);
   list_springs(cloth);
   Scalars usual = borne_weights * weights;
+  add_pulls_at_limit(cloth, usual);
+  strengths_.clear();
+  for (std::size_t k = 0; k < strengths.size(); ++k) {
+    strengths_.push_back(strengths[k].value_or(usual[static_cast<Eigen::Index>(k)]));
+  }
+  count_slipping();
+}
+
+/// Adds by holder the pull of the springs and cells at its points that are stretched to the limit
+/// [N].
+void Holders::add_pulls_at_limit(const Cloth& cloth, Scalars& pulls) const {
   const double stretch = cloth.strain_limit.value_or(usual_stretch);
-  const auto add_usual = [&](std::size_t point, double stiffness, double rest_length) {
-    usual[points_[point].hold.holder] += stiffness * stretch * rest_length;
+  const auto add = [&](std::size_t point, double stiffness, double rest_length) {
+    pulls[points_[point].hold.holder] += stiffness * stretch * rest_length;
   };
-  for (const Spring& s : springs_) add_usual(s.point, s.stiffness, s.rest_length);
+  for (const Spring& s : springs_) add(s.point, s.stiffness, s.rest_length);
+  for (const auto& [point, cell, corner] : cells_) {
+    const std::size_t d = Cell::diagonal_of(corner);
+    const double by2 = cell.gradients(cloth.rest_positions)[d].squaredNorm();
+    add(point, cell.stiffness * by2, cell.diagonals(cloth.rest_positions)[d].norm());
+  }
   if (cloth.is_mesh()) {
     std::vector<std::optional<std::size_t>> held(static_cast<std::size_t>(cloth.num_points()));
     for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -97,15 +113,10 @@ void Holders::hold(const std::vector<Hold>& holds,
     for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
       for (const int end : {a, b}) {
         const auto& k = held[static_cast<std::size_t>(end)];
-        if (k) add_usual(*k, run.stiffness, run.rest_length);
+        if (k) add(*k, run.stiffness, run.rest_length);
       }
     });
   }
-  strengths_.clear();
-  for (std::size_t k = 0; k < strengths.size(); ++k) {
-    strengths_.push_back(strengths[k].value_or(usual[static_cast<Eigen::Index>(k)]));
-  }
-  count_slipping();
 }
 
 double Holders::force(int holder, double dt) const {

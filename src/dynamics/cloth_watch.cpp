@@ -53,9 +53,9 @@ bool same(const Scalars& a, const Scalars& b) { return a.size() == b.size() && a
 }  // namespace
 
 bool ClothWatch::differs(const Cloth& cloth, double h) const {
-  const bool same_forces = same(cloth.springs, springs_) && same(cloth.bends, bends_) && same(cloth.cells, cells_) &&
-                           same(cloth.triangle_fabric, triangle_fabric_) &&
-                           cloth.internal_damping == internal_damping_;
+  const bool same_forces =
+      same(cloth.springs, springs_) && same(cloth.bends, bends_) && same(cloth.cells, cells_) &&
+      same(cloth.triangle_fabric, triangle_fabric_) && cloth.internal_damping == internal_damping_;
   return !(same_forces && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
            same(cloth.inv_mass, inv_mass_));
 }

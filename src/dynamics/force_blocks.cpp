@@ -155,13 +155,13 @@ void ForceBlocks<Real>::group_bands() {
   for (const CellBand& band : cloth_.cell_bands) cells_.push_back({&band, {}, {}});
   if (!cells_.empty()) {
     const CellBand& band = *cells_.front().band;
-    const std::array<const PairBand*, 2> bends{
-        bends_of_cells(band, band.a + band.b, 0), bends_of_cells(band, band.b - band.a, band.a)};
+    const std::array<const PairBand*, 2> bends{bends_of_cells(band, band.a + band.b, 0),
+                                               bends_of_cells(band, band.b - band.a, band.a)};
     if (bends[0] != nullptr && bends[1] != nullptr) cells_.front().bends = bends;
   }
   for (const PairBand& pairs : cloth_.pairs) {
-    const bool is_taken = !cells_.empty() && (cells_.front().bends[0] == &pairs ||
-                                              cells_.front().bends[1] == &pairs);
+    const bool is_taken =
+        !cells_.empty() && (cells_.front().bends[0] == &pairs || cells_.front().bends[1] == &pairs);
     if (!is_taken) directions_.push_back({pairs.offset, &pairs, nullptr, nullptr, {}});
   }
 }
@@ -250,8 +250,7 @@ void ForceBlocks<Real>::pull_between(const Direction& d, int from, int count,
 }
 
 template <typename Real>
-void ForceBlocks<Real>::fill(const Cells& cells, int first, int count,
-                             Real* const force[6]) const {
+void ForceBlocks<Real>::fill(const Cells& cells, int first, int count, Real* const force[6]) const {
   const CellBand& band = *cells.band;
   const int end = first + count;
   const int from = std::clamp(0, first, end);

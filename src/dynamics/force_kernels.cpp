@@ -96,6 +96,23 @@ template <typename Real>
   return {x[a + b] - x[0], x[b] - x[a]};
 }
 
+template <typename Real>
+[[gnu::always_inline]] inline Real dot(Real x, Real y, Real z, Real a, Real b, Real c) {
+  return x * a + y * b + z * c;
+}
+
+/// p2 d1 . e1 + q2 d2 . e2 + r (d1 . e2 + d2 . e1) of diagonals d = (x, y, z) and e = (a, b, c).
+template <typename Real>
+[[gnu::always_inline]] inline Real product(Real p2, Real q2, Real r, const Ends<Real>& x,
+                                           const Ends<Real>& y, const Ends<Real>& z,
+                                           const Ends<Real>& a, const Ends<Real>& b,
+                                           const Ends<Real>& c) {
+  return p2 * dot(x.one, y.one, z.one, a.one, b.one, c.one) +
+         q2 * dot(x.two, y.two, z.two, a.two, b.two, c.two) +
+         r * (dot(x.one, y.one, z.one, a.two, b.two, c.two) +
+              dot(x.two, y.two, z.two, a.one, b.one, c.one));
+}
+
 template <bool bent, bool damped, typename Real>
 [[gnu::always_inline]] inline void pull_cells_of(const CellPulls& cells, Columns<Real> p,
                                                  Columns<Real> v, int count, Real* __restrict ax,
@@ -114,18 +131,11 @@ template <bool bent, bool damped, typename Real>
   const double* const second_bends = cells.bends[1];
   for (int i = 0; i < count; ++i) {
     const Ends<Real> x = ends(p.x + i, a, b), y = ends(p.y + i, a, b), z = ends(p.z + i, a, b);
-    const Real one2 = x.one * x.one + y.one * y.one + z.one * z.one;
-    const Real two2 = x.two * x.two + y.two * y.two + z.two * z.two;
-    const Real across = x.one * x.two + y.one * y.two + z.one * z.two;
-    Real strain = (p2 * one2 + q2 * two2) / 2 + r * across - rest;
+    Real strain = product(p2, q2, r, x, y, z, x, y, z) / 2 - rest;
     Ends<Real> ex{}, ey{}, ez{};
     if constexpr (damped) {
       ex = ends(v.x + i, a, b), ey = ends(v.y + i, a, b), ez = ends(v.z + i, a, b);
-      const Real one = x.one * ex.one + y.one * ey.one + z.one * ez.one;
-      const Real two = x.two * ex.two + y.two * ey.two + z.two * ez.two;
-      const Real mixed = x.one * ex.two + y.one * ey.two + z.one * ez.two + x.two * ex.one +
-                         y.two * ey.one + z.two * ez.one;
-      strain += of_cells * (p2 * one + q2 * two + r * mixed);
+      strain += of_cells * product(p2, q2, r, x, y, z, ex, ey, ez);
     }
     const Real stress = static_cast<Real>(stiffness[i]) * strain;
     const Real one_bend = bent ? static_cast<Real>(first_bends[i]) : Real{0};

@@ -36,7 +36,7 @@ void pull_pairs(const Pairs& pairs, Columns<double> p, Columns<double> v, int of
 void pull_pairs(const Pairs& pairs, Columns<float> p, Columns<float> v, int offset, int count,
                 float* fx, float* fy, float* fz);
 
-/// Cells from one on, see CellBand, and bends along their diagonals.
+/// Consecutive cells of a CellBand, and bends along their diagonals.
 struct CellPulls {
   int a;
   int b;

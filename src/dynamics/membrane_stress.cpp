@@ -12,10 +12,11 @@
 namespace clothsim {
 namespace {
 
-/// Cells of the grid: each has two triangles, on either side of its diagonal from its first point.
-class Cells {
+/// CellTriangles of the grid: each has two triangles, on either side of its diagonal from its first
+/// point.
+class CellTriangles {
  public:
-  explicit Cells(const Cloth& cloth) : columns_(cloth.columns - 1), rows_(cloth.rows - 1) {}
+  explicit CellTriangles(const Cloth& cloth) : columns_(cloth.columns - 1), rows_(cloth.rows - 1) {}
 
   /// Triangles of a cell; -1 where there is none.
   int below_diagonal(int column, int row) const { return triangle(column, row, 0); }
@@ -32,7 +33,7 @@ class Cells {
 };
 
 /// The triangles that a spring to a neighbour runs through or along; -1 where there is none.
-std::array<int, 2> cells_at(const Cells& cells, int column, int row, int right, int up) {
+std::array<int, 2> cells_at(const CellTriangles& cells, int column, int row, int right, int up) {
   if (up == 0) return {cells.below_diagonal(column, row), cells.above_diagonal(column, row - 1)};
   if (right == 0) return {cells.above_diagonal(column, row), cells.below_diagonal(column - 1, row)};
   const int left = right > 0 ? column : column - 1;
@@ -40,13 +41,12 @@ std::array<int, 2> cells_at(const Cells& cells, int column, int row, int right, 
 }
 
 /// The second Piola-Kirchhoff stress of the cells, dW/dE, on both triangles of each.
-void add_cells(const Cloth& cloth, const State& state, const Cells& cells, double wide, double high,
-               Points& stress) {
+void add_cells(const Cloth& cloth, const State& state, const CellTriangles& cells, double wide,
+               double high, Points& stress) {
   for_each_cell(cloth, [&](const Cell& cell) {
     const auto& [p, q, r, rest] = cell.strain;
-    const double strain =
-        cell.value(state.positions) +
-        cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
+    const double strain = cell.value(state.positions) +
+                          cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
     const double stress_by_area = cell.stiffness * strain / (wide * high);
     const Eigen::RowVector3d added =
         2 * stress_by_area *
@@ -88,7 +88,7 @@ Points membrane_stress(const Cloth& cloth, const State& state,
   if (cloth.is_mesh()) return stress_of_mesh(cloth, state, tensions);
   Points stress = Points::Zero(static_cast<Eigen::Index>(cloth.triangles.size()), 3);
   if (cloth.triangles.empty()) return stress;
-  const Cells cells(cloth);
+  const CellTriangles cells(cloth);
   const Points& rest = cloth.rest_positions;
   const double wide = (rest.row(1) - rest.row(0)).norm();
   const double high = (rest.row(cloth.columns) - rest.row(0)).norm();

@@ -26,12 +26,12 @@ double longest_link(const Cloth& cloth) {
   return (cloth.rest_positions.row(run.first + run.a) - cloth.rest_positions.row(run.first)).norm();
 }
 
-/// The part of a symmetric matrix with positive eigenvalues.
-Eigen::Matrix2d positive_part(const Eigen::Matrix2d& matrix) {
+/// A symmetric matrix with eigenvalues of at least `least`.
+Eigen::Matrix2d clamped(const Eigen::Matrix2d& matrix, double least) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
   solver.computeDirect(matrix);
   const Eigen::Matrix2d& vectors = solver.eigenvectors();
-  return vectors * solver.eigenvalues().cwiseMax(0).asDiagonal() * vectors.transpose();
+  return vectors * solver.eigenvalues().cwiseMax(least).asDiagonal() * vectors.transpose();
 }
 
 /// Number of the first cell's first pair in SpringSystem.
@@ -73,12 +73,16 @@ struct NewtonSolver::Impl {
 
 /// A compressed spring has a stiffness -s across itself. Two ends of inertia p and q keep the
 /// matrix positive definite for s < p q / (p + q). Here p and q are equal shares of the inertia of
-/// each point, one for each of its springs and one that the point keeps.
+/// each point, one for each of its springs and strains of cells, and one that the point keeps.
 void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weights) {
   Scalars springs = Scalars::Zero(cloth.num_points());
-  for_each_spring(cloth, [&](const SpringRun&, int a, int b) {
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    if (run.stiffness == 0) return;
     ++springs[a];
     ++springs[b];
+  });
+  for_each_cell(cloth, [&](const Cell& cell) {
+    for (const int corner : cell.corners) ++springs[corner];
   });
   spare = (cloth.inv_mass.array() > 0).select(weights.array() / (springs.array() + 1), infinity);
 }
@@ -113,7 +117,7 @@ void NewtonSolver::Impl::add_springs(const Cloth& cloth, const Past& past) {
 }
 
 /// The Hessian of a cell's strain, of derivatives g and stress s: k g g^T, and s times the second
-/// derivatives of the strain, without their negative part.
+/// derivatives of the strain, which may be negative as far as the corners bear it.
 void NewtonSolver::Impl::add_cells(const Cloth& cloth, const Past& past) {
   std::size_t number = 0;
   int id = first_cell_pair(cloth);
@@ -126,8 +130,10 @@ void NewtonSolver::Impl::add_cells(const Cloth& cloth, const Past& past) {
     }
     const auto& [p, q, r, rest] = cell.strain;
     const Cell::Diagonals by = cell.gradients(positions);
-    const Eigen::Matrix2d across = positive_part(
-        stiffness * strain * (Eigen::Matrix2d() << 2 * p, r, r, 2 * q).finished());
+    const double most = std::min(bearable(cell.corners[0], cell.corners[3]),
+                                 bearable(cell.corners[1], cell.corners[2]));
+    const Eigen::Matrix2d across =
+        clamped(stiffness * strain * (Eigen::Matrix2d() << 2 * p, r, r, 2 * q).finished(), -most);
     const auto block = [&](std::size_t k, std::size_t l) {  // rows of corner k, columns of l
       const std::size_t d = Cell::diagonal_of(k), e = Cell::diagonal_of(l);
       Eigen::Matrix3d sum = stiffness * by[d] * by[e].transpose();

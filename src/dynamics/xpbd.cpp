@@ -14,12 +14,11 @@ namespace clothsim {
 
 void Xpbd::build(const Cloth& cloth, double h) {
   if (cloth.is_mesh()) {
-    constraints_.clear();
-    colour_ends_.clear();
+    springs_.clear();
     build_membranes(cloth, h);
   } else {
     membranes_ = {};
-    build_springs(cloth, h);
+    springs_.build(cloth, h);
   }
   build_cells(cloth, h);
   build_bends(cloth, h);
@@ -38,20 +37,6 @@ void Xpbd::build_membranes(const Cloth& cloth, double h) {
                   cloth.triangles[t]);
   }
   colouring.move_to(membranes_.list, membranes_.colour_ends);
-}
-
-void Xpbd::build_springs(const Cloth& cloth, double h) {
-  const double time2 = h * Drag(cloth.damping, h).distance;
-  const double damped = 1 + cloth.internal_damping[0] / h;
-  Colouring<Constraint> colouring(cloth);
-  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-    const double inv_mass = cloth.inv_mass[a] + cloth.inv_mass[b];
-    if (run.stiffness == 0) return;
-    const double compliance = 1 / (run.stiffness * damped * time2);
-    colouring.add({a, b, run.rest_length, compliance, 1 / (inv_mass + compliance), run.rest_length},
-                  std::array<int, 2>{a, b});
-  });
-  colouring.move_to(constraints_, colour_ends_);
 }
 
 void Xpbd::build_cells(const Cloth& cloth, double h) {
@@ -92,10 +77,7 @@ void Xpbd::build_bends(const Cloth& cloth, double h) {
 /// present ones.
 void Xpbd::set_targets(const Cloth& cloth, double h, const Points& positions) {
   const double of_springs = cloth.internal_damping[0];
-  for (Constraint& spring : constraints_) {
-    const double past = (positions.row(spring.b) - positions.row(spring.a)).norm();
-    spring.target = (spring.rest_length + of_springs / h * past) / (1 + of_springs / h);
-  }
+  springs_.set_targets(positions, of_springs, h);
   for (CellConstraint& c : cells_.list) {
     c.target = of_springs / h * c.cell.value(positions) / (1 + of_springs / h);
   }
@@ -116,23 +98,6 @@ void Xpbd::set_bend_targets(const Cloth& cloth, double h, const Points& displace
   set_curved_targets();
 }
 
-void Xpbd::solve_springs(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
-  const auto solve_one = [&](std::size_t c) {
-    const Constraint& spring = constraints_[c];
-    const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
-    const double length = d.norm();
-    if (length == 0) return;  // has no direction
-    const double change = (spring.target - length - spring.compliance * lambda_[c]) * spring.share;
-    lambda_[c] += change;
-    const Eigen::RowVector3d correction = (change / length) * d.transpose();
-    positions.row(spring.a) -= cloth.inv_mass[spring.a] * correction;
-    positions.row(spring.b) += cloth.inv_mass[spring.b] * correction;
-    react(cloth, spring.a, -correction);
-    react(cloth, spring.b, correction);
-  };
-  parallel_for_colours(colour_ends_, back, workers, solve_one);
-}
-
 void Xpbd::solve_cells(const Cloth& cloth, bool back, Points& positions, const Workers& workers) {
   parallel_for_colours(cells_.colour_ends, back, workers, [&](std::size_t id) {
     CellConstraint& c = cells_.list[id];
@@ -141,8 +106,8 @@ void Xpbd::solve_cells(const Cloth& cloth, bool back, Points& positions, const W
     for (std::size_t k = 0; k < 4; ++k) {
       inv_mass += cloth.inv_mass[c.cell.corners[k]] * by[Cell::diagonal_of(k)].squaredNorm();
     }
-    const double change = (c.target - c.cell.value(positions) - c.compliance * c.lambda) /
-                          (inv_mass + c.compliance);
+    const double change =
+        (c.target - c.cell.value(positions) - c.compliance * c.lambda) / (inv_mass + c.compliance);
     c.lambda += change;
     for (std::size_t k = 0; k < 4; ++k) {
       const int i = c.cell.corners[k];
@@ -204,17 +169,16 @@ void Xpbd::pull(const Cloth& cloth, int i, const Eigen::RowVector3d& correction)
 }
 
 void Xpbd::pull_by_springs(const Cloth& cloth, const Points& positions) {
-  for (std::size_t c = 0; c < constraints_.size(); ++c) {
-    const Constraint& spring = constraints_[c];
-    const Vector3 d = positions.row(spring.b) - positions.row(spring.a);
+  springs_.for_each([&](int a, int b, double lambda) {
+    const Vector3 d = row(positions, b) - row(positions, a);
     const double length = d.norm();
-    if (length == 0) continue;
-    const double correction = lambda_[c] / length;
-    pull(cloth, spring.a, -correction * d.transpose());
-    pull(cloth, spring.b, correction * d.transpose());
-    turn_[spring.a] += 2 * cloth.inv_mass[spring.a] * std::abs(correction);
-    turn_[spring.b] += 2 * cloth.inv_mass[spring.b] * std::abs(correction);
-  }
+    if (length == 0) return;
+    const double correction = lambda / length;
+    pull(cloth, a, -correction * d.transpose());
+    pull(cloth, b, correction * d.transpose());
+    turn_[a] += 2 * cloth.inv_mass[a] * std::abs(correction);
+    turn_[b] += 2 * cloth.inv_mass[b] * std::abs(correction);
+  });
 }
 
 void Xpbd::pull_by_cells(const Cloth& cloth, const Points& positions) {
@@ -288,7 +252,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   free_step(cloth, loads, h, state);
   start_ = state.positions;
   reactions_.setZero(cloth.num_points(), 3);
-  lambda_.assign(constraints_.size(), 0);
+  springs_.begin_step();
   for (CellConstraint& c : cells_.list) c.lambda = 0;
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
   for (BendConstraint& c : bends_.list) c.lambda.setZero();
@@ -300,7 +264,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (int i = 0; i < parameters_.iterations; ++i) {
     if (i > 0) realign(cloth, state.positions);
     if (i > 0 && has_targets) set_bend_targets(cloth, h, state.positions - past_, workers);
-    solve_springs(cloth, false, state.positions, workers);
+    springs_.solve(false, state.positions, reactions_, workers);
     solve_cells(cloth, false, state.positions, workers);
     solve_membranes(cloth, false, state.positions, workers);
     for (const bool back : {false, true}) {
@@ -310,7 +274,7 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
     }
     solve_membranes(cloth, true, state.positions, workers);
     solve_cells(cloth, true, state.positions, workers);
-    solve_springs(cloth, true, state.positions, workers);
+    springs_.solve(true, state.positions, reactions_, workers);
   }
   state.velocities += (state.positions - start_) / h;
 }

@@ -83,6 +83,13 @@ int Cloth::num_bends() const {
   return count;
 }
 
+int Cloth::num_links() const {
+  int count = num_bends();
+  for (const SpringRun& run : springs) count += run.stiffness > 0 ? run.count : 0;
+  for (const CellRun& run : cells) count += run.count;
+  return count;
+}
+
 void set_bands(Cloth& cloth) {
   const int n = cloth.num_points();
   cloth.pairs.clear();

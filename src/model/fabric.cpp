@@ -108,6 +108,7 @@ void resist_shear(const FabricGrid& grid, Cloth& cloth) {
 /// (sqrt(C11) e_u +- sqrt(C22) e_v) / sqrt(C11 + C22), with Green's strains e of the mean sides.
 void couple_threads(const FabricGrid& grid, Cloth& cloth) {
   const auto& [warp, weft] = grid.fabric.stretch_stiffness;
+  if (warp + weft == 0) return;
   const double u = std::sqrt(warp / (warp + weft));
   const double v = std::copysign(std::sqrt(weft / (warp + weft)), grid.fabric.poisson);
   const double along = u / (8 * grid.du * grid.du), across = v / (8 * grid.dv * grid.dv);

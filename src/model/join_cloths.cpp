@@ -31,7 +31,7 @@ void for_each_shared(const ClothSpec& one, const ClothSpec& other, Visit&& visit
 void check(const NamedCloth& cloth, const NamedCloth& first) {
   if (cloth.name.empty()) throw InvalidValue({"name"}, "an empty name", "a name");
   const ClothSpec& spec = cloth.spec;
-  validate_as_triangles(spec);
+  validate(spec);
   if (!spec.material.fabric) {
     throw InvalidValue({"fabric"}, "none", "a fabric, which one of several cloths needs");
   }

@@ -46,13 +46,13 @@ void bind_forces(SimulationClass& simulator) {
       .def_property_readonly(
           "tensions", &tensions,
           "[S] [N], of each of topology['springs'], negative where it pushes: by Hooke's law with "
-          "internal damping, plus the tension of the strain limit.")
+          "internal damping, plus the tension of the strain limit. Diagonals of a fabric have the "
+          "latter alone, as its cells resist shear.")
       .def_property_readonly(
           "stress", &stress,
           "[T, 3] [N/m], of each of topology['triangles'] in its own plane, a force per width at "
-          "rest: along rows, along columns, in shear. From the tensions. Of a mesh along warp, "
-          "along "
-          "weft and in shear, from its strains.");
+          "rest: along rows, along columns, in shear. From the tensions, and of a fabric from the "
+          "strains of its cells. Of a mesh along warp, along weft and in shear, from its strains.");
 }
 
 }  // namespace clothsim_python

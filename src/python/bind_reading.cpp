@@ -121,7 +121,7 @@ void bind_reading(SimulationClass& simulator) {
           "counter-clockwise seen from the front; 'uv' [N, 2] in [0, 1]; 'rest_positions' [N, 3] "
           "[m]; 'mass' [N] [kg]; 'pinned', indices; 'springs' [S, 2], points that each joins, with "
           "'families' [S] (0 structural, 1 shear, 2 bending), 'rest_lengths' [S] [m], 'stiffness' "
-          "[S] [N/m]. Copies.")
+          "[S] [N/m], 0 of a fabric's diagonals, as its cells resist shear. Copies.")
       .def_property_readonly("cloths", &cloths_of,
                              "The Cloths of a scene with several, by name; empty where it has one.")
       .def_property_readonly(

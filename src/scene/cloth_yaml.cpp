@@ -79,7 +79,7 @@ BodyPoints read_attached(const YAML::Node& node, PointReader& points) {
 /// Reads the pins and the points on bodies of a cloth that is known otherwise.
 void read_points(const std::optional<YAML::Node>& pinned, const std::optional<YAML::Node>& attached,
                  ClothSpec& cloth) {
-  if (pinned || attached) validate_as_triangles(cloth);
+  if (pinned || attached) validate(cloth);
   PointReader points(cloth);
   const auto read_pin = [&](const YAML::Node& item) { read_pins(item, points, cloth.pinned); };
   const auto read_body = [&](const YAML::Node& item) {

@@ -177,8 +177,8 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
 
 bool Simulator::Impl::is_beyond_stability(double h) const {
   const double limit = method->stability_limit();
-  if (h * method->omega_max < limit) return false;  // by far the cheaper bound
-  return h * omega_max_bound(cloth, state.positions) > limit;
+  if (h * method->omega_max < limit || !std::isfinite(limit)) return false;
+  return omega_max_bound(cloth, state.positions, limit / h, workers) > limit / h;
 }
 
 bool Simulator::Impl::follows_tension() const {

@@ -27,8 +27,8 @@ Material random_material(Draw& draw) {
 /// Sometimes zero: each value of a fabric may be.
 double or_zero(Draw& draw, double value) { return draw.happens(0.1) ? 0 : value; }
 
-/// For cells `ratio` times as wide as high. The shear stiffness stays valid: diagonals add no more
-/// stretch stiffness than the fabric has.
+/// For cells `ratio` times as wide as high. The shear stiffness is below that of stretch, as in
+/// woven cloth.
 Fabric random_fabric(Draw& draw, double ratio) {
   Fabric fabric;
   double max_shear = 1e4;
@@ -180,10 +180,10 @@ std::string text_of_springs(const Material& material) {
     out << "ks " << material.ks;
     return out.str();
   }
-  const auto& [stretch, shear, bending, damping] = *material.fabric;
+  const auto& [stretch, shear, bending, damping, poisson] = *material.fabric;
   out << "stretch " << stretch[0] << " " << stretch[1] << ", shear " << shear << ", bending "
-      << bending[0] << " " << bending[1] << ", internal damping " << damping[0] << " "
-      << damping[1];
+      << bending[0] << " " << bending[1] << ", internal damping " << damping[0] << " " << damping[1]
+      << ", poisson " << poisson;
   return out.str();
 }
 
@@ -253,6 +253,7 @@ RandomScene random_fabric_scene(std::uint64_t seed, int most) {
   if (draw.happens(0.7)) material.strain_limit.reset();
   cloth.thickness = draw.decades(1e-4, 0.2 * std::min(du, dv));
   add_wind(draw, random.scene.simulation);
+  if (draw.happens(0.3)) material.fabric->poisson = draw.even(-0.9, 0.9);
   return random;
 }
 

@@ -176,6 +176,37 @@ TEST(FabricScene, IsCarriedByItsWeight) {
   EXPECT_NEAR(force.y(), 0, 0.03 * weight);
 }
 
+TEST(FabricScene, IsPulledTautWithItsFullForceByFewSubstepsOfXpbd) {
+  // One edge pinned, the other pulled by 1 % of the length: C22 times width times strain. Lines of
+  // springs are solved at once, so that few substeps have it.
+  for (const int substeps : {1, 4, 10}) {
+    Scene scene;
+    scene.cloth = fabric_spec(12, 25, 0.01, 0.01);
+    scene.cloth.material.damping = 10;
+    scene.cloth.pin_strength = 1e6;
+    scene.simulation.gravity.setZero();
+    scene.simulation.method = "xpbd";
+    scene.simulation.substeps = substeps;
+    std::vector<int> far;
+    for (int column = 0; column < 12; ++column) {
+      scene.cloth.pinned.push_back({column, 0, ""});
+      far.push_back(24 * 12 + column);
+    }
+    Simulator simulator(scene);
+    Pose hand;
+    simulator.attach("hand", hand, far, {{}, 1e6});
+    for (int frame = 0; frame < 180; ++frame) {
+      hand.position.y() = 0.0024 * std::min(1.0, frame / 45.0);
+      simulator.move_grip("hand", hand);
+      simulator.step();
+    }
+    const double expected =
+        scene.cloth.material.fabric->stretch_stiffness[1] * scene.cloth.width * 0.01;
+    EXPECT_NEAR(-simulator.grips().at("hand").wrench.force.y(), expected, 0.02 * expected)
+        << substeps;
+  }
+}
+
 TEST(FabricScene, KeepsItsShapeWhereverItIsCarried) {
   // Galilean invariance: internal motion is the same in hands that move evenly and in hands at
   // rest, since internal damping depends on the cloth alone.
@@ -321,8 +352,8 @@ TEST(FabricScene, ABallPressesItTaut) {
 }
 
 TEST(FabricScene, AFlagFlapsAsFastAsTheWind) {
-  // At 4 m/s it hangs in the wind and does not flap.
-  EXPECT_LT(flapping_frequency(4), 3);
+  // At 3 m/s it hangs in the wind and does not flap.
+  EXPECT_LT(flapping_frequency(3), 3);
   const double slow = flapping_frequency(8);
   const double fast = flapping_frequency(16);
   EXPECT_NEAR(fast / slow, 2, 0.5) << slow << " and " << fast << " Hz";

@@ -26,6 +26,23 @@ Points plain_forces(const Cloth& cloth, const Loads& loads, const Points& x, con
     forces.row(a) += tension * u;
     forces.row(b) -= tension * u;
   });
+  for (const CellRun& run : cloth.cells) {
+    for (int i = run.first; i < run.first + run.count; ++i) {
+      const Vector3 one = row(x, i + run.a + run.b) - row(x, i);
+      const Vector3 two = row(x, i + run.b) - row(x, i + run.a);
+      const Vector3 one_rate = row(v, i + run.a + run.b) - row(v, i);
+      const Vector3 two_rate = row(v, i + run.b) - row(v, i + run.a);
+      const auto& [p, q, r, rest] = run.strain;
+      const Vector3 by_one = 2 * p * one + r * two, by_two = 2 * q * two + r * one;
+      const double strain = p * one.squaredNorm() + q * two.squaredNorm() + r * one.dot(two) - rest;
+      const double rate = by_one.dot(one_rate) + by_two.dot(two_rate);
+      const double stress = run.stiffness * (strain + cloth.internal_damping[0] * rate);
+      forces.row(i) += stress * by_one.transpose();
+      forces.row(i + run.a + run.b) -= stress * by_one.transpose();
+      forces.row(i + run.a) += stress * by_two.transpose();
+      forces.row(i + run.b) -= stress * by_two.transpose();
+    }
+  }
   const Vector3 omega = cloth.num_bends() > 0 ? plain_rotation(cloth, x, v) : Vector3::Zero();
   for_each_bend(cloth, [&](const auto& bend) {
     const Vector3 rate = bend.of(v) - omega.cross(bend.of(x));
@@ -41,6 +58,7 @@ ClothSpec damped_spec(int columns, int rows) {
   ClothSpec spec = fabric_spec(columns, rows, 0.02, 0.01);
   spec.material.fabric->bending_stiffness = {3e-2, 1e-2};  // as strong as springs
   spec.material.fabric->internal_damping = {0.03, 0.05};
+  spec.material.fabric->poisson = -0.3;
   return spec;
 }
 
@@ -50,9 +68,10 @@ TEST(FabricForces, EqualThePlainLoops) {
        {std::pair(1, 2), std::pair(1, 9), std::pair(9, 1), std::pair(2, 2), std::pair(2, 3),
         std::pair(3, 2), std::pair(3, 3), std::pair(5, 7), std::pair(50, 52), std::pair(2, 1500),
         std::pair(3000, 2)}) {
-    for (int mask = 0; mask < 8; ++mask) {
+    for (int mask = 0; mask < 16; ++mask) {
       ClothSpec spec = damped_spec(columns, rows);
       spec.material.springs = {(mask & 1) != 0, (mask & 2) != 0, (mask & 4) != 0};
+      if ((mask & 8) != 0) spec.material.fabric->poisson = 0;
       const Cloth cloth = make_grid(spec);
       const Points x = shaken(cloth, 0.01, 1);
       const Points v = random_points(cloth.num_points(), 0.1, 2);

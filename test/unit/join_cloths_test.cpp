@@ -47,10 +47,8 @@ Points shaken_rows(const Points& x) {
 }
 
 TEST(JoinCloths, HaveCellsOfAnyShape) {
-  // Twenty times as wide as high, where shear springs would be stiffer than the threads.
   std::vector<NamedCloth> cloths = two_cloths();
   cloths[0].spec.width *= 20;
-  EXPECT_THROW(make_cloth(cloths[0].spec), InvalidValue);
   const Cloth all = make_cloth(join_cloths(cloths));
   EXPECT_EQ(all.num_points(), cloths[0].spec.columns * cloths[0].spec.rows + 5 * 4);
 }

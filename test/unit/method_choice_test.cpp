@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "clothsim/model/join_cloths.h"
+#include "clothsim/model/make_cloth.h"
 #include "clothsim/simulation/substeps.h"
 #include "verification/testing.h"
 
@@ -12,7 +14,7 @@ namespace {
 using namespace test;
 
 MethodChoice choice(const Scene& scene) {
-  return choose_method(scene.simulation, make_grid(scene.cloth), scene.colliders);
+  return choose_method(scene.simulation, make_cloth(scene.cloth), scene.colliders);
 }
 
 /// pinned2 without its strain limit.
@@ -100,7 +102,7 @@ TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
   }
 }
 
-TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingCloth) {
+TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingMesh) {
   for (const int side : {25, 40}) {
     Scene scene = swinging();
     scene.cloth.columns = scene.cloth.rows = side;
@@ -115,6 +117,8 @@ TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingCloth) {
     }
     scene.simulation.method = "xpbd";
     scene.simulation.substeps = 4;
+    EXPECT_FALSE(choice(scene).reasons.has(Reason::softens));  // a grid that pins hold
+    scene.cloth = join_cloths({{"mesh", scene.cloth}});
     const MethodChoice chosen = choice(scene);
     ASSERT_TRUE(chosen.reasons.has(Reason::softens));
     const std::string& text = chosen.reasons.text();

@@ -32,7 +32,8 @@ constexpr const char* cloth_keys =
     "springs, "
     "ks, "
     "untangle, fabric, self_collision, density, damping, drag, strain_limit, thickness, friction, "
-    "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping";
+    "stretch_stiffness, shear_stiffness, bending_stiffness, internal_damping, "
+    "poisson";
 
 INSTANTIATE_TEST_SUITE_P(
     UnknownKey, SceneMistake,
@@ -100,9 +101,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "cloth.bending_stiffness: got 1e+10 ... most 1e+09 [N m]"},
         Mistake{"cloth={internal_damping: [0, .inf]}",
                 "cloth.internal_damping.1: got .inf ... finite"},
-        Mistake{"cloth={width: 4.0, columns: 11, rows: 11, stretch_stiffness: 100, "
-                "shear_stiffness: 10}",
-                "cloth.shear_stiffness: got 10 ... 4 ... stretch_stiffness 100 [N/m] ... 160"},
+        Mistake{"cloth={poisson: 1}", "cloth.poisson: got 1 ... most 0.9"},
+        Mistake{"cloth={poisson: [0.2, 0.1]}", "cloth.poisson: got [0.2, 0.1] ... finite"},
         Mistake{"cloth.drag=-1", "cloth.drag: got -1 ... least 0"},
         Mistake{"simulation.wind=5", "simulation.wind: got 5 ... three"},
         Mistake{"simulation.wind=[0, 0, 400]", "simulation.wind.2: got 400 ... most 300 [m/s]"},

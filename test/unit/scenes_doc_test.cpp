@@ -209,11 +209,11 @@ TEST(ScenesDoc, HasTheRangesAndUnits) {
     EXPECT_EQ(refusal(scene(min)), "accepted");
     EXPECT_EQ(refusal(scene(max)), "accepted");
 
-    // One below, and ten times above, as text, since a double does not hold the largest seed.
+    // One below, and by a digit above, as text, since a double does not hold the largest seed.
     const std::string below = std::to_string(std::stod(min) - 1);
     const std::string low =
         row.type == "number" || is_vector ? below : below.substr(0, below.find('.'));
-    const std::string high = max.find('e') == std::string::npos ? max + "0" : max + "1";
+    const std::string high = max.find('e') == std::string::npos ? max + "9" : max + "1";
     for (const std::string& value : {low, high}) {
       const std::string message = refusal(scene(value));
       EXPECT_NE(message.find(row.key), std::string::npos) << row.key << ' ' << value;

@@ -71,11 +71,11 @@ TEST(Fabric, HangsFromATableWhereItsBendIsHardlyResolved) {
 
 // ---- Along the bias
 
-/// Contribution of diagonals to the moment of a bend along the bias, over its curvature's cube
-/// [N m^2], for lines `spacing` [m] apart: they are chords over two lines, shorter by
-/// spacing^3 k^2 / 4.
-double diagonals_stiffening(const Fabric& fabric, double spacing) {
-  return fabric.shear_stiffness * std::pow(spacing, 4) / 16;
+/// Contribution of cells to the moment of a bend along the bias, over its curvature's cube [N m^2],
+/// for lines `spacing` [m] apart and a width that does not change: one diagonal is a chord over two
+/// lines, shorter by spacing^3 k^2 / 4.
+double cells_stiffening(const Fabric& fabric, double spacing) {
+  return fabric.shear_stiffness * std::pow(spacing, 4) / 32;
 }
 
 /// A strip cut along the bias out of a grid of square cells: points of lines across it, which are
@@ -101,7 +101,7 @@ class BiasStrip {
 
   /// The free end of elastica().
   double stiffening() const {
-    const double cubic = diagonals_stiffening(*spec().material.fabric, spacing_);
+    const double cubic = cells_stiffening(*spec().material.fabric, spacing_);
     return cubic / (bending_ * strip_length * strip_length);
   }
 
@@ -175,21 +175,20 @@ TEST(Fabric, HangsFromATableAlongTheBias) {
   // A diagonal of 10 points or 40 of the strip's length, with lines between its points. Sharper
   // bends are stiffened: see below.
   for (const auto& [points, share, most] :
-       {std::tuple(10, 0.0, 1000.0), std::tuple(20, 0.0, 1000.0), std::tuple(40, 0.0, 1000.0)}) {
-    for (const double gamma : {0.1, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0}) {
+       {std::tuple(10, 0.03, 30.0), std::tuple(20, 0.01, 100.0), std::tuple(40, 0.01, 300.0)}) {
+    for (const double gamma : {0.1, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0}) {
       if (gamma > most) continue;
       SCOPED_TRACE(std::to_string(gamma) + ", points " + std::to_string(points));
       const EndOfStrip exact = elastica(gamma);
       const double ratio = exact.drop / exact.reach;
       const BiasStrip strip(gamma, 2 * points);
       const EndOfStrip end = strip.end_of(at_rest(strip.cloth()));
-      printf("%g %d: %.2f %%  place %.4f %.4f of %.4f %.4f\n", gamma, points, 100 * (end.drop / end.reach / ratio - 1), end.drop / strip_length, end.reach/strip_length, exact.drop, exact.reach);
-      EXPECT_NEAR(end.drop / end.reach, ratio, share * ratio + 1);
+      EXPECT_NEAR(end.drop / end.reach, ratio, share * ratio);
     }
   }
 }
 
-TEST(Fabric, DiagonalsStiffenBendsAlongTheBias) {
+TEST(Fabric, CellsStiffenBendsAlongTheBias) {
   // The energy per area of that moment is stiffening k^4 / 4: it does not stretch threads.
   ClothSpec spec = fabric_spec(9, 9, 0.02, 0.02);
   spec.material.springs = {true, true, false};
@@ -206,19 +205,22 @@ TEST(Fabric, DiagonalsStiffenBendsAlongTheBias) {
   }
   const double energy = elastic_energy(cloth, x) / (spec.width * spec.height);
   const double expected =
-      diagonals_stiffening(*spec.material.fabric, spacing) * std::pow(turn / spacing, 4) / 4;
+      cells_stiffening(*spec.material.fabric, spacing) * std::pow(turn / spacing, 4) / 4;
   EXPECT_NEAR(energy, expected, 0.01 * expected);
 }
 
-TEST(Fabric, HangsFromATableAlongTheBiasAsItsDiagonalsLetIt) {
-  // A diagonal of 10 points: its end is where the stiffened elastica's is.
-  for (const double gamma : {100.0, 300.0, 1000.0}) {
+TEST(Fabric, HangsFromATableAlongTheBiasAsItsCellsLetIt) {
+  // A diagonal of 10 points. Its width may change where it bends evenly, which softens it: its end
+  // is between those of the elastica and of the stiffened one.
+  for (const double gamma : {100.0, 300.0}) {
     SCOPED_TRACE(gamma);
     const BiasStrip strip(gamma, 20);
-    const EndOfStrip exact = elastica(gamma, strip.stiffening());
+    const EndOfStrip exact = elastica(gamma), stiffened = elastica(gamma, strip.stiffening());
     const EndOfStrip end = strip.end_of(at_rest(strip.cloth()));
-    EXPECT_NEAR(end.drop / strip_length, exact.drop, 0.01);
-    EXPECT_NEAR(end.reach / strip_length, exact.reach, 0.01);
+    EXPECT_GT(end.reach / strip_length, exact.reach);
+    EXPECT_LT(end.reach / strip_length, stiffened.reach);
+    EXPECT_LT(end.drop / strip_length, exact.drop);
+    EXPECT_GT(end.drop / strip_length, stiffened.drop);
   }
 }
 
@@ -232,13 +234,16 @@ TYPED_TEST(FabricMethod, HangsTheSame) {
   // With drag to come to rest; iterative methods are converged.
   ClothSpec spec = strip(10, 10, false);
   spec.material.fabric->stretch_stiffness = {2000, 2000};
+  spec.material.fabric->poisson = 0.3;
   spec.material.damping = 25;
   const EndOfStrip expected = end_at_rest(spec, false);
   const Cloth cloth = make_grid(spec);
   State state = start_state(spec, cloth, 1);
   TypeParam method = converged<TypeParam>();
   const bool is_explicit = std::isfinite(TypeParam::stability_limit);
-  const double h = is_explicit ? 0.9 * TypeParam::stability_limit / omega_max_bound(cloth) : 2e-3;
+  const double h =
+      is_explicit ? 0.9 * TypeParam::stability_limit / omega_max_bound(cloth, cloth.rest_positions)
+                  : 2e-3;
   run(method, cloth, Loads{}, h, static_cast<int>(2 / h), state);
   const EndOfStrip end = end_of(spec, state.positions, false);
   EXPECT_NEAR(end.drop, expected.drop, 1e-4 * strip_length);

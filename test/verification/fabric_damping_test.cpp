@@ -6,6 +6,7 @@
 #include "clothsim/dynamics/newton_solver.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/model/join_cloths.h"
+#include "unit/plain_forces.h"
 #include "verification/mesh_fabric_testing.h"
 
 namespace clothsim::fabric_damping_test {
@@ -47,8 +48,9 @@ TYPED_TEST(FabricDampingByMethod, InternalDampingTakesItsShareOfTheFirstMode) {
   TypeParam method = converged<TypeParam>();
   const Loads none{Vector3::Zero()};
   const bool is_explicit = std::isfinite(TypeParam::stability_limit);
-  const double h = is_explicit ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth)
-                               : 2 * M_PI / omega / 400;
+  const double h =
+      is_explicit ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth, cloth.rest_positions)
+                  : 2 * M_PI / omega / 400;
   // Peaks of the swing after one period and after four.
   const int period = static_cast<int>(2 * M_PI / omega / h + 0.5);
   const int end = cloth.columns + cloth.columns - 1;
@@ -82,9 +84,10 @@ TYPED_TEST(FabricDampingByMethod, InternalDampingLetsAClothFallAndTurnFreely) {
   const Vector3 before = angular_momentum(cloth, state);
   const State start = state;
   TypeParam method = converged<TypeParam>();
-  const double h = std::isfinite(TypeParam::stability_limit)
-                       ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth)
-                       : 1e-3;
+  const double h =
+      std::isfinite(TypeParam::stability_limit)
+          ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth, cloth.rest_positions)
+          : 1e-3;
   const int steps = static_cast<int>(0.2 / h);
   run(method, cloth, Loads{Vector3::Zero()}, h, steps, state);
   EXPECT_LT((momentum(cloth, state) - momentum(cloth, start)).norm(),
@@ -112,9 +115,10 @@ TYPED_TEST(FabricDampingByMethod, InternalDampingTakesNoSpinOfABentCloth) {
     }
     const double before = angular_momentum(cloth, state).norm();
     TypeParam method = converged<TypeParam>();
-    const double h = std::isfinite(TypeParam::stability_limit)
-                         ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth)
-                         : 1e-3;
+    const double h =
+        std::isfinite(TypeParam::stability_limit)
+            ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth, cloth.rest_positions)
+            : 1e-3;
     run(method, cloth, Loads{Vector3::Zero()}, h, static_cast<int>(0.3 / h), state);
     return angular_momentum(cloth, state).norm() / before;
   };
@@ -144,7 +148,8 @@ TYPED_TEST(FabricDampingByMethod, InternalDampingTurnsNoClothThatHangsByOneCorne
   const bool is_explicit = std::isfinite(TypeParam::stability_limit);
   TypeParam method = converged<TypeParam>();
   const double h =
-      is_explicit ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth) : 1 / 360.0;
+      is_explicit ? 0.5 * TypeParam::stability_limit / omega_max_bound(cloth, cloth.rest_positions)
+                  : 1 / 360.0;
   for (int second = 0; second < 3; ++second) {
     run(method, cloth, Loads{}, h, static_cast<int>(1 / h), state);
     EXPECT_LT(turning(state.velocities), is_explicit ? 1e-9 : 5e-3) << second;
@@ -217,6 +222,28 @@ TEST(FabricSteps, TheBoundOfSeveralClothsIsTheLargestOfEach) {
   EXPECT_NEAR(bound(all, 0.9 * largest), largest, 1e-12 * largest);
 }
 
+TEST(FabricSteps, TheBoundIsNeverBelowTheExactFrequency) {
+  for (const double poisson : {0.0, 0.6, -0.6}) {
+    ClothSpec spec = fabric_spec(6, 5, 0.02, 0.01);
+    spec.material.fabric->shear_stiffness = 600;
+    spec.material.fabric->poisson = poisson;
+    spec.pinned = {{0, 0, ""}};
+    const Cloth cloth = make_grid(spec);
+    for (const double size : {1e-4, 3e-3, 0.05}) {  // from almost flat to crumpled and torn
+      for (const double scale : {0.7, 1.0, 1.5}) {
+        const Points x = scale * shaken(cloth, size, 2);
+        const double exact = exact_omega(cloth, x), bound = omega_max_bound(cloth, x);
+        EXPECT_GE(bound, exact) << poisson << ' ' << size << ' ' << scale;
+        EXPECT_EQ(omega_max_bound(cloth, x, 1.1 * bound), 1.1 * bound);
+        EXPECT_NEAR(omega_max_bound(cloth, x, 0.9 * bound), bound, 1e-12 * bound);
+      }
+    }
+    const Points flat = cloth.rest_positions;
+    EXPECT_LT(omega_max_bound(cloth, flat), 1.6 * exact_omega(cloth, flat)) << poisson;
+    EXPECT_TRUE(std::isinf(omega_max_bound(cloth)));
+  }
+}
+
 TEST(FabricSteps, ExplicitStepsAreStableUpToTheBound) {
   // Bends as stiff as springs, and damping that takes as much of the limit as they do.
   for (const auto& damping : {std::array<double, 2>{0, 0}, {0, 1e-4}, {1e-4, 0}, {3e-5, 3e-5}}) {
@@ -241,8 +268,9 @@ TEST(FabricSteps, ExplicitStepsAreStableUpToTheBound) {
 // ---- Newton's method
 
 /// Bends as stiff as springs, strongly damped.
-Cloth damped_and_pinned() {
-  ClothSpec spec = fabric_spec(5, 4, 0.02, 0.02);
+Cloth damped_and_pinned(double dv = 0.02, double poisson = 0) {
+  ClothSpec spec = fabric_spec(5, 4, 0.02, dv);
+  spec.material.fabric->poisson = poisson;
   spec.pinned = {{0, 0, ""}, {4, 3, ""}};
   spec.material.fabric->bending_stiffness = {1e-2, 2e-2};
   spec.material.fabric->internal_damping = {2e-3, 4e-3};
@@ -252,39 +280,42 @@ Cloth damped_and_pinned() {
 TEST(FabricSteps, NewtonsStepIsThatOfTheExactHessian) {
   // Stretched everywhere, so that nothing is clamped: one iteration from d = 0 is -H^-1 g with H by
   // central differences of the gradient. The past is flat and has no rotation, which H leaves out.
-  const Cloth cloth = damped_and_pinned();
-  const int n = cloth.num_points();
-  const Points y = 1.2 * shaken(cloth, 5e-4, 1);
-  const Past past = past_of(cloth, State{1.1 * cloth.rest_positions, Points::Zero(n, 3), 0}, 1e-2);
-  Scalars weights = (cloth.inv_mass.array() > 0).select(cloth.mass.array() / 1e-4, 0);
-  const auto gradient_at = [&](const Points& d) {
-    Points gradient(n, 3);
-    potential_gradient(cloth, weights, y + d, d, gradient, past);
-    return Eigen::VectorXd(gradient.reshaped());
-  };
-  Eigen::MatrixXd hessian(3 * n, 3 * n);
-  const double e = 1e-7;
-  for (int k = 0; k < 3 * n; ++k) {
-    Points d = Points::Zero(n, 3);
-    d(k % n, k / n) = e;
-    hessian.col(k) = (gradient_at(d) - gradient_at(-d)) / (2 * e);
-    const bool held = cloth.inv_mass[k % n] == 0;
-    if (held) {
-      hessian.col(k).setZero();
-      hessian.row(k).setZero();
-      hessian(k, k) = 1;
+  for (const double poisson : {0.0, 0.4, -0.4}) {
+    const Cloth cloth = damped_and_pinned(0.01, poisson);
+    const int n = cloth.num_points();
+    const Points y = 1.2 * shaken(cloth, 5e-4, 1);
+    const Past past =
+        past_of(cloth, State{1.1 * cloth.rest_positions, Points::Zero(n, 3), 0}, 1e-2);
+    Scalars weights = (cloth.inv_mass.array() > 0).select(cloth.mass.array() / 1e-8, 0);
+    const auto gradient_at = [&](const Points& d) {
+      Points gradient(n, 3);
+      potential_gradient(cloth, weights, y + d, d, gradient, past);
+      return Eigen::VectorXd(gradient.reshaped());
+    };
+    Eigen::MatrixXd hessian(3 * n, 3 * n);
+    const double e = 1e-7;
+    for (int k = 0; k < 3 * n; ++k) {
+      Points d = Points::Zero(n, 3);
+      d(k % n, k / n) = e;
+      hessian.col(k) = (gradient_at(d) - gradient_at(-d)) / (2 * e);
+      const bool held = cloth.inv_mass[k % n] == 0;
+      if (held) {
+        hessian.col(k).setZero();
+        hessian.row(k).setZero();
+        hessian(k, k) = 1;
+      }
     }
+    for (const int pin : cloth.pinned) {
+      for (int axis = 0; axis < 3; ++axis) hessian.row(axis * n + pin).setZero();
+      for (int axis = 0; axis < 3; ++axis) hessian(axis * n + pin, axis * n + pin) = 1;
+    }
+    const Eigen::VectorXd expected = -hessian.lu().solve(gradient_at(Points::Zero(n, 3)));
+    NewtonSolver::Parameters once;
+    once.max_iterations = 1;
+    Points d;
+    NewtonSolver(once).solve(cloth, weights, y, d, past);
+    EXPECT_LT((d.reshaped() - expected).norm(), 1e-5 * expected.norm()) << poisson;
   }
-  for (const int pin : cloth.pinned) {
-    for (int axis = 0; axis < 3; ++axis) hessian.row(axis * n + pin).setZero();
-    for (int axis = 0; axis < 3; ++axis) hessian(axis * n + pin, axis * n + pin) = 1;
-  }
-  const Eigen::VectorXd expected = -hessian.lu().solve(gradient_at(Points::Zero(n, 3)));
-  NewtonSolver::Parameters once;
-  once.max_iterations = 1;
-  Points d;
-  NewtonSolver(once).solve(cloth, weights, y, d, past);
-  EXPECT_LT((d.reshaped() - expected).norm(), 1e-5 * expected.norm());
 }
 
 TEST(FabricSteps, NewtonConvergesThoughItsHessianLeavesOutTheRotationOfDamping) {

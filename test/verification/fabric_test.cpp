@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "clothsim/dynamics/membrane_stress.h"
+#include "clothsim/dynamics/springs.h"
 #include "verification/fabric_testing.h"
 
 namespace clothsim::fabric_test {
@@ -62,6 +64,39 @@ TEST(Fabric, StretchedFreelyFollowsWithItsWidth) {
     EXPECT_NEAR(-slope / curvature, -c12 / c22 * u, 0.01 * c12 / c22 * u);
     const double least = middle - slope * slope / (2 * curvature);
     EXPECT_NEAR(2 * least / (u * u), c11 - c12 * c12 / c22, 0.001 * c11);
+  }
+}
+
+TEST(Fabric, HasTheStressOfAnEvenStrain) {
+  ClothSpec spec = fabric_spec(6, 5, 0.02, 0.01);
+  Fabric& fabric = *spec.material.fabric;
+  fabric.poisson = 0.2;
+  const auto& [c11, c22] = fabric.stretch_stiffness;
+  const double c12 = 0.2 * std::sqrt(c11 * c22), u = 2e-5, v = -1e-5, shear = 3e-5;
+  const Cloth cloth = make_grid(spec);
+  State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
+  state.positions.col(0) =
+      (1 + u) * cloth.rest_positions.col(0) + shear * cloth.rest_positions.col(1);
+  state.positions.col(1) = (1 + v) * cloth.rest_positions.col(1);
+  std::vector<double> tensions;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const double length = (state.positions.row(b) - state.positions.row(a)).norm();
+    tensions.push_back(run.stiffness * (length - run.rest_length));
+  });
+  const Vector3 stress = membrane_stress(cloth, state, tensions).colwise().mean();
+  EXPECT_NEAR(stress.x(), c11 * u + c12 * v, 1e-4 * c11 * u);
+  EXPECT_NEAR(stress.y(), c12 * u + c22 * v, 1e-4 * c11 * u);
+  EXPECT_NEAR(stress.z(), fabric.shear_stiffness * shear, 1e-4 * c11 * u);
+}
+
+TEST(Fabric, AnyShearStiffnessIsPossible) {
+  // More than that of stretch, on cells of any shape, and alone.
+  for (const double stretch : {0.0, 1.0, 900.0}) {
+    ClothSpec spec = fabric_spec(5, 4, 0.04, 0.01);
+    spec.material.fabric->stretch_stiffness = {stretch, stretch};
+    spec.material.fabric->shear_stiffness = 500;
+    EXPECT_NEAR(2 * energy_per_area(spec, 0, 0, 1e-4) / 1e-8, 500, 0.5);
+    EXPECT_NEAR(2 * energy_per_area(spec, 1e-4, 0, 0) / 1e-8, stretch, 0.001 * stretch);
   }
 }
 

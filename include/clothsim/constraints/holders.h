@@ -156,6 +156,7 @@ class Holders {
 
   void list_springs(const Cloth&);
   void list_cells(const Cloth&);
+  void add_pulls_at_limit(const Cloth&, Scalars& pulls) const;
   void list_corners(const Cloth&);
   Vector3 place_now(const Point&) const;
   Vector3 velocity_now(const Point&) const;

@@ -55,7 +55,8 @@ inline Cell cell_of(const CellRun& run, int i) {
   return {{i, i + run.a, i + run.b, i + run.a + run.b}, run.strain, run.stiffness};
 }
 
-/// Calls visit(cell) for every strain of every cell, in the order of cloth.cells. Not for hot loops.
+/// Calls visit(cell) for every strain of every cell, in the order of cloth.cells. Not for hot
+/// loops.
 template <typename Visitor>
 void for_each_cell(const Cloth& cloth, Visitor&& visit) {
   for (const CellRun& run : cloth.cells) {

@@ -12,8 +12,8 @@ namespace clothsim {
 /// valid.
 class ClothWatch {
  public:
-  /// Do springs, bends, cells, masses, pins, drag or the step h [s] differ from those of the last call?
-  /// True at the first call.
+  /// Do springs, bends, cells, masses, pins, drag or the step h [s] differ from those of the last
+  /// call? True at the first call.
   bool changed(const Cloth&, double h);
 
   /// The same without an update.

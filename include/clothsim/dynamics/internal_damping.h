@@ -8,11 +8,12 @@
 namespace clothsim {
 
 /// Internal damping in implicit steps: rates are differences to the past, for a spring's length l
-/// as (l - l_past) / time, for strains of cells and positions alike, less a rotation (remove_rotation()). The potential
-/// of a step then has, in addition to springs k (l - L0)^2 / 2, those of (k tau / time) (l -
-/// l_past)^2 / 2: together one spring again, see damped(); for a cell of a fabric by strains, for a triangle of a
-/// mesh K tau / time by squared lengths. Damping does not resist rigid rotation. Kane et al. 2000, "Variational
-/// integrators and the Newmark algorithm", for dissipation.
+/// as (l - l_past) / time, for strains of cells and positions alike, less a rotation
+/// (remove_rotation()). The potential of a step then has, in addition to springs k (l - L0)^2 / 2,
+/// those of (k tau / time) (l - l_past)^2 / 2: together one spring again, see damped(); for a cell
+/// of a fabric by strains, for a triangle of a mesh K tau / time by squared lengths. Damping does
+/// not resist rigid rotation. Kane et al. 2000, "Variational integrators and the Newmark
+/// algorithm", for dissipation.
 struct Past {
   double time = 0;              // [s]
   std::vector<double> lengths;  // of the springs, in the order of for_each_spring [m]

@@ -15,8 +15,8 @@ namespace clothsim {
 ///   T / (L A) D D^T
 /// to the area A at rest that it runs through: half on each side of an edge, all of it on the
 /// cloth's own edge, and the cells of a fabric add their second Piola-Kirchhoff stress. Averages
-/// over a cell or more are the stress of the sheet that the springs represent; single triangles of a
-/// cell differ as their springs do. Bends of a fabric have no part in it.
+/// over a cell or more are the stress of the sheet that the springs represent; single triangles of
+/// a cell differ as their springs do. Bends of a fabric have no part in it.
 ///
 /// In a mesh the stress is that of the membrane, along warp, along weft and in shear: the second
 /// Piola-Kirchhoff stress. The tension of an edge beyond the membrane's, from the strain limit, is

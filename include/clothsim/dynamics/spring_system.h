@@ -14,8 +14,8 @@
 namespace clothsim {
 
 /// A symmetric positive definite system over the points of a cloth, with a Size x Size block for
-/// each point and each pair that a spring, a bend or a cell joins. Pins have the unit block, without
-/// springs.
+/// each point and each pair that a spring, a bend or a cell joins. Pins have the unit block,
+/// without springs.
 ///
 /// Solved by Eigen's L D L^T with approximate minimum degree ordering. At 50 x 50 points with
 /// blocks of 3 it factorises in 46 ms; CHOLMOD of SuiteSparse takes 69 ms (supernodal) and 60 ms
@@ -56,8 +56,9 @@ class SpringSystem {
     }
   }
 
-  /// Adds pair `id`, in the order of for_each_spring, for_each_bent_pair and for_each_cell (there of
-  /// corners 0 1, 0 2, 1 2, 0 3, 1 3, 2 3), of free points a < b: `block` to both points, -`block` between them.
+  /// Adds pair `id`, in the order of for_each_spring, for_each_bent_pair and for_each_cell (there
+  /// of corners 0 1, 0 2, 1 2, 0 3, 1 3, 2 3), of free points a < b: `block` to both points,
+  /// -`block` between them.
   void add_pair(int id, int a, int b, const Block& block) {
     add_to_point(a, block);
     add_to_point(b, block);

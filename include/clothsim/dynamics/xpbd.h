@@ -7,31 +7,34 @@
 #include "clothsim/dynamics/cells.h"
 #include "clothsim/dynamics/cloth_watch.h"
 #include "clothsim/dynamics/forces.h"
+#include "clothsim/dynamics/xpbd_lines.h"
 #include "clothsim/model/checks.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/state.h"
 
 namespace clothsim {
 
-/// Extended position based dynamics: implicit Euler solved spring by spring, Gauss-Seidel on the
-/// springs' multipliers lambda, dlambda = (-C - a lambda) / (w_1 + w_2 + a) with C = l - L0 and a =
-/// 1 / (k h^2). Macklin et al. 2016, "XPBD"; small steps with one iteration each rather than many
-/// iterations: Macklin et al. 2019, "Small steps in physics simulation".
+/// Extended position based dynamics: implicit Euler solved by constraints, Gauss-Seidel on their
+/// multipliers lambda. That of a spring alone has dlambda = (-C - a lambda) / (w_1 + w_2 + a) with
+/// C = l - L0 and a = 1 / (k h^2). Macklin et al. 2016, "XPBD"; small steps with one iteration each
+/// rather than many iterations: Macklin et al. 2019, "Small steps in physics simulation".
 ///
-/// Multipliers start at zero in each step and are kept over its iterations. Passes over springs go
-/// by colour, no two of a colour sharing a point. An iteration goes forth and back (symmetric
-/// Gauss-Seidel): one that goes forth alone can feed fast waves, and stiff cloth trembles for ever.
-/// Drag as in implicit Euler.
+/// The springs of a grid are solved in lines, see XpbdLines.
 ///
-/// As published, each correction keeps the direction of its spring at that time, and the limit of
-/// many iterations is not quite implicit Euler's. So each iteration but the first moves points to
-/// the places that the multipliers give with the springs' present directions.
+/// Multipliers start at zero in each step and are kept over its iterations. Passes over other
+/// constraints go by colour, no two of a colour sharing a point. An iteration goes forth and back
+/// (symmetric Gauss-Seidel): one that goes forth alone can feed fast waves, and stiff cloth
+/// trembles for ever. Drag as in implicit Euler.
 ///
-/// A strain of a fabric's cell is a constraint, see CellRun. A triangle of a mesh is a constraint on the squared lengths of its edges, see TriangleFabric. A
-/// bend is a constraint on the three components of its stencil; those of a triangle are solved
-/// together, see PatchBend. Internal damping makes constraints stiffer, towards their values at the
-/// step's start: see DampedSpring. That of a bend that is curved at rest is a constraint of its
-/// own, linear in the positions.
+/// As published, corrections do not follow the turns of their springs in later passes, and the
+/// limit of many iterations is not quite implicit Euler's. So each iteration but the first moves
+/// points to the places that the multipliers give with the springs' present directions.
+///
+/// A strain of a fabric's cell is a constraint, see CellRun. A triangle of a mesh is a constraint
+/// on the squared lengths of its edges, see TriangleFabric. A bend is a constraint on the three
+/// components of its stencil; those of a triangle are solved together, see PatchBend. Internal
+/// damping makes constraints stiffer, towards their values at the step's start: see DampedSpring.
+/// That of a bend that is curved at rest is a constraint of its own, linear in the positions.
 class Xpbd {
  public:
   static constexpr const char* name = "xpbd";
@@ -54,7 +57,7 @@ class Xpbd {
   /// Advances positions and velocities by h [s]; the caller keeps the time.
   void step(const Cloth&, const Loads&, double h, State&, const Workers& = {});
 
-  /// Adds the impulses of springs and bends on held points in the last step, of h [s] [N s, N x 3],
+  /// Adds the impulses of all constraints on held points in the last step, of h [s] [N s, N x 3],
   /// as forces through the step. With these momentum balances with one iteration, however long the
   /// step; with more, as far as they converge. The forces of the springs at the step's end are
   /// larger, by the residual of the step.
@@ -63,14 +66,6 @@ class Xpbd {
   static constexpr bool unconverged() { return false; }  // see Integrator
 
  private:
-  struct Constraint {
-    int a;
-    int b;
-    double rest_length;  // [m]
-    double compliance;   // 1 / (k h^2), [m/J]
-    double share;        // 1 / (w_a + w_b + compliance)
-    double target;       // [m], of a step: the rest length without internal damping
-  };
   /// A triangle of a mesh.
   struct MembraneConstraint {
     std::array<int, 3> corners;
@@ -127,7 +122,6 @@ class Xpbd {
     std::vector<int> colour_ends;  // in `list`
   };
   void build(const Cloth&, double h);
-  void build_springs(const Cloth&, double h);
   void build_cells(const Cloth&, double h);
   void build_membranes(const Cloth&, double h);
   void build_bends(const Cloth&, double h);
@@ -144,7 +138,6 @@ class Xpbd {
   void solve_curved(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_curved(const Cloth&, const PatchBend&, const Derivatives&, const Vector3& residual,
                     double compliance, Vector3& lambda, Points& positions);
-  void solve_springs(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_cells(const Cloth&, bool back, Points& positions, const Workers&);
   void pull(const Cloth&, int i, const Eigen::RowVector3d& correction);
   void pull_by_springs(const Cloth&, const Points& positions);
@@ -160,9 +153,7 @@ class Xpbd {
 
   Parameters parameters_;
   ClothWatch watch_;
-  std::vector<Constraint> constraints_;  // by colour
-  std::vector<int> colour_ends_;         // in constraints_
-  std::vector<double> lambda_;           // as constraints_
+  XpbdLines springs_;
   Coloured<CellConstraint> cells_;
   Coloured<MembraneConstraint> membranes_;
   Coloured<BendConstraint> bends_;     // of a grid

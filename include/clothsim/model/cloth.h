@@ -138,6 +138,7 @@ struct Cloth {
   /// How much nearer than `offset` a point comes to colliders [m].
   double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }
   int num_bends() const;
+  int num_links() const;  // springs with stiffness, strains of cells, and bends
   /// Internal damping of the springs, triangles and bends at a point [s].
   const std::array<double, 2>& internal_damping_at(int i) const {
     return is_mesh() ? triangle_fabric->internal_damping_at(i) : internal_damping;

@@ -126,8 +126,6 @@ inline constexpr Range tear_force_range{0, 1e12, "N"};
 /// Throw InvalidValue, with keys relative to the cloth ({"ks"}, {"pinned", "1"}).
 void validate(const Material&);
 void validate(const ClothSpec&);
-/// The same without the rule for shear springs, which triangles do not have.
-void validate_as_triangles(const ClothSpec&);
 
 /// Throws InvalidValue unless the cloth has such a point.
 void check_grid_point(const ClothSpec&, int column, int row);

@@ -145,7 +145,8 @@ class Simulator {
 
   /// Tension [N] of each spring, in the order of cloth().springs, negative under compression:
   /// k (l - L) with internal damping in the present state, plus the pull of the strain limit in the
-  /// last substep. Of a mesh: of each edge, by the membranes of both triangles.
+  /// last substep. Diagonals of a fabric's grid have that of the limit alone, as cells resist
+  /// shear. Of a mesh: of each edge, by the membranes of both triangles.
   std::vector<double> tensions() const;
 
   // The functions below that take a pose or a position throw InvalidValue and change nothing beyond
