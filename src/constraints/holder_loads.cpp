@@ -90,11 +90,10 @@ void Holders::add_spring_impulses(const Cloth& cloth, double h, const State& sta
   for (const HeldCell& held : cells_) {
     if (points_[held.point].slips) continue;
     const Cell& cell = held.cell;
-    const double strain = cell.value(state.positions) +
-                          cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
     const Vector3 by =
         Cell::sign(held.corner) * cell.gradients(state.positions)[Cell::diagonal_of(held.corner)];
-    impulses.row(cell.corners[held.corner]) -= h * cell.stiffness * strain * by.transpose();
+    impulses.row(cell.corners[held.corner]) -=
+        h * cell.stress(state, cloth.internal_damping[0]) * by.transpose();
   }
   const Points* const velocities = is_damped(cloth) ? &state.velocities : nullptr;
   for (const HeldCorner& held : corners_) {

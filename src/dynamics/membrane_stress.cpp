@@ -45,9 +45,7 @@ void add_cells(const Cloth& cloth, const State& state, const CellTriangles& cell
                double high, Points& stress) {
   for_each_cell(cloth, [&](const Cell& cell) {
     const auto& [p, q, r, rest] = cell.strain;
-    const double strain = cell.value(state.positions) +
-                          cloth.internal_damping[0] * cell.rate(state.positions, state.velocities);
-    const double stress_by_area = cell.stiffness * strain / (wide * high);
+    const double stress_by_area = cell.stress(state, cloth.internal_damping[0]) / (wide * high);
     const Eigen::RowVector3d added =
         2 * stress_by_area *
         Eigen::RowVector3d(wide * wide * (p + q - r), high * high * (p + q + r),

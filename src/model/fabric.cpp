@@ -148,7 +148,7 @@ void add_fabric(const ClothSpec& spec, Cloth& cloth) {
   set_masses(grid, cloth);
   if (grid.has(SpringFamily::structural)) {
     add_threads(grid, cloth);
-    if (grid.has_cells() && grid.fabric.poisson != 0) couple_threads(grid, cloth);
+    if (grid.has_cells()) couple_threads(grid, cloth);
   }
   if (grid.has(SpringFamily::shear) && grid.has_cells()) {
     add_diagonals(grid, cloth);

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/state.h"
 #include "clothsim/model/types.h"
 
 namespace clothsim {
@@ -47,6 +48,10 @@ struct Cell {
   double rate(const Points& positions, const Points& velocities) const {
     const Diagonals by = gradients(positions), moves = diagonals(velocities);
     return by[0].dot(moves[0]) + by[1].dot(moves[1]);
+  }
+  /// Derivative of the energy by the value, with internal damping [s] [J].
+  double stress(const State& state, double damping) const {
+    return stiffness * (value(state.positions) + damping * rate(state.positions, state.velocities));
   }
 };
 
