@@ -78,6 +78,11 @@ void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3&
   sum.torque -= scale * total(lanes.moment);
 }
 
+void ContactSlots::add_velocities(Points& sum) const {
+  for_each_with_impulse(
+      [&](int i, const ContactImpulse& impulse) { sum.row(i) += impulse.total().transpose(); });
+}
+
 void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                 double scale, const Points& positions,
                                 std::vector<Wrench>& sums) const {

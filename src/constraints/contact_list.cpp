@@ -159,6 +159,12 @@ void ContactList::group(const Points& positions, const Workers& workers) {
   }
 }
 
+void ContactList::add_velocities(Points& sum) const {
+  for (const Contact& c : contacts_) {
+    if (c.impulse.normal_impulse > 0) c.give(c.impulse.total(), sum);
+  }
+}
+
 double ContactList::solve_pass(double tolerance, Points& velocities, const Workers& workers) {
   if (contacts_.empty()) return 0;
   const double min_change = unseen_share * tolerance;

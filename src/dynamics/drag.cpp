@@ -17,7 +17,10 @@ void free_step(const Cloth& cloth, const Loads& loads, double h, State& state) {
     const double gained = drag.distance * loads.gravity[axis];
     for (int i = 0; i < cloth.num_points(); ++i) {
       double& v = state.velocities(i, axis);
-      if (cloth.inv_mass[i] > 0) v = drag.decay * v + gained;
+      if (cloth.inv_mass[i] > 0) {
+        v = drag.decay * v + gained;
+        if (loads.impulses) v += (*loads.impulses)(i, axis);
+      }
       state.positions(i, axis) += h * v;
     }
   }

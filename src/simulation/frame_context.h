@@ -36,6 +36,7 @@ struct FrameContext {
   bool recovers = false;                // colliders have pushed out points
   bool projection_unconverged = false;  // some springs stayed over their limit
   bool yields = false;                  // the strain limit yielded in a substep
+  bool lags = false;                    // lagged impulses of contact act in the substep
 };
 
 /// Result of one try of a frame.

@@ -17,6 +17,7 @@
 #include "clothsim/shapes/shape.h"
 #include "clothsim/simulation/cloth_size.h"
 #include "clothsim/simulation/substeps.h"
+#include "xpbd_stretch.h"
 
 namespace clothsim {
 namespace {
@@ -179,17 +180,6 @@ double xpbd_error(const Motion& m, double h) {
   const double otherwise = 0.035 * std::pow(h, 0.5) * std::pow(m.omega_max, 0.8);
   return m.gravity * h * horizon * (m.only_lines ? of_lines : otherwise);
 }
-
-/// Largest stretch that XPBD leaves in a mesh that hangs from an edge, with cells of length a: its
-/// passes move a correction by some rows, so that a substep's fall g h^2 adds up over all. A grid
-/// has it over a collider, as contact acts after the step. Measured on cotton of 25 to 100 rows.
-double xpbd_stretch(double gravity, const Cloth& cloth, double h) {
-  constexpr double fitted = 0.7;
-  return fitted * gravity * h * h * cells_along(cloth) / shortest_rest_length(cloth);
-}
-
-/// Stretch of XPBD from which on a reason tells it.
-constexpr double noticed_stretch = 0.03;
 
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
@@ -362,18 +352,12 @@ MethodChoice choice_among(std::vector<Offer> offers) {
 
 /// Adds how far XPBD stretches a cloth whose springs have no limit, where that shows.
 MethodChoice with_stretch_told(MethodChoice choice, const SimulationSpec& spec, const Cloth& cloth,
-                               const std::vector<ColliderSpec>& colliders) {
-  if (choice.method != Xpbd::name || cloth.strain_limit) return choice;
-  const bool is_free = (cloth.inv_mass.array() > 0).all();
-  if (!cloth.is_mesh() && (!is_free || colliders.empty())) return choice;
-  const double h = 1 / (spec.frames_per_second * spec.substeps.value_or(choice.min_substeps));
-  const double stretch = xpbd_stretch(spec.gravity.norm(), cloth, h);
-  if (stretch < noticed_stretch) return choice;
-  const double needed = std::sqrt(stretch / noticed_stretch) / (spec.frames_per_second * h);
-  const auto percent = [](double x) { return std::to_string(std::lround(100 * x)) + " %"; };
-  choice.reasons.add(Reason::softens, "by some " + percent(stretch) + ", with substeps: " +
-                                          std::to_string(std::lround(std::ceil(needed))) + " by " +
-                                          percent(noticed_stretch));
+                               bool over_colliders) {
+  if (choice.method != Xpbd::name) return choice;
+  const int substeps = spec.substeps.value_or(choice.min_substeps);
+  if (const auto text = xpbd_stretch_text(spec, cloth, over_colliders, substeps)) {
+    choice.reasons.add(Reason::softens, *text);
+  }
   return choice;
 }
 
@@ -382,7 +366,7 @@ MethodChoice with_stretch_told(MethodChoice choice, const SimulationSpec& spec, 
 MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
                            const std::vector<ColliderSpec>& colliders) {
   if (spec.method != "auto") {
-    return with_stretch_told(named_choice(spec, cloth, colliders), spec, cloth, colliders);
+    return with_stretch_told(named_choice(spec, cloth, colliders), spec, cloth, !colliders.empty());
   }
   if (!cloth.has_forces()) {
     return {VelocityVerlet::name, 1, Reason::no_springs, true, 0.0, 0.0};
@@ -394,7 +378,7 @@ MethodChoice choose_method(const SimulationSpec& spec, const Cloth& cloth,
     const Offer offer = offer_of(c, spec, cloth, colliders, motion);
     if (offer.stable) offers.push_back(offer);
   }
-  return with_stretch_told(choice_among(std::move(offers)), spec, cloth, colliders);
+  return with_stretch_told(choice_among(std::move(offers)), spec, cloth, !colliders.empty());
 }
 
 }  // namespace clothsim

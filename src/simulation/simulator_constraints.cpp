@@ -7,6 +7,7 @@
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/target_clones.h"
+#include "clothsim/simulation/cloth_size.h"
 #include "simulator_impl.h"
 
 namespace clothsim {
@@ -130,6 +131,7 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
     if (self_contacts) self_contacts->for_each_touch(visit);
   };
   followed = state.velocities;
+  if (frame_context.lags) lagged_contact.take_back(state.velocities);
   const bool runs_detection = frame_context.steps_left == 0;
   if (runs_detection) plan_detection(h);
   const ContactStep step = contact_step(h, factor, touches_of_itself);
@@ -145,6 +147,10 @@ void Simulator::Impl::constrain(const Cloth& inert, double h, StepReport& report
   }
   if (runs_detection) frame_context.tolerances = tolerances_at(h, tolerance, length);
   solve(runs_detection, report);
+  if (frame_context.lags) {
+    lagged_contact.follow(collider_contacts, self_contacts ? &*self_contacts : nullptr,
+                          step.gravity, cells_along(cloth));
+  }
   follow_velocities(factor * h);
   if (strain_limit) strain_limit->learn_tension(workers);
   if (!bodies.empty()) end_bodies();

@@ -23,6 +23,13 @@ bool are_near(const double* numbers, Eigen::Index count) {
   return outside == 0;
 }
 
+/// Do lagged impulses of contact act in the steps of a method? Not in those of BDF2, whose history
+/// would keep them.
+bool takes_lagged_contact(const Integrator& integrator) {
+  return std::holds_alternative<Xpbd>(integrator) ||
+         std::holds_alternative<ImplicitEuler>(integrator);
+}
+
 bool is_good(const State& state) {
   return are_near(state.positions.data(), state.positions.size()) &&
          are_near(state.velocities.data(), state.velocities.size());
@@ -286,7 +293,8 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
 
   if (has_air()) apply_wind(h);
   // A cloth without pins, grips and colliders in reach falls exactly.
-  const Loads loads{scene.simulation.gravity, !touches_others() && is_free()};
+  const Loads loads{scene.simulation.gravity, !touches_others() && is_free(),
+                    begin_lagged_contact(h)};
   const Cloth& inert = add_tension_mass(h);
   if (&inert == &cloth_with_tension_mass) {
     report.added_mass = std::max(report.added_mass, strain_limit->inertia().mass_ratio(h));
@@ -307,6 +315,13 @@ bool Simulator::Impl::substep(double h, StepReport& report) {
   if (!holders.empty() || !attachments.empty()) update_holders(h);
   if (measures_wrenches) add_collider_impulses(h);
   return !budget.is_spent();
+}
+
+const Points* Simulator::Impl::begin_lagged_contact(double h) {
+  frame_context.lags = touches() && takes_lagged_contact(method->integrator);
+  if (frame_context.lags) return &lagged_contact.begin_step(h, cloth);
+  lagged_contact.reset();
+  return nullptr;
 }
 
 double Simulator::Impl::stretch_after(double h) const {

@@ -7,6 +7,7 @@
 
 #include "clothsim/constraints/body_contacts.h"
 #include "clothsim/constraints/collider_contacts.h"
+#include "clothsim/constraints/lagged_contact.h"
 #include "clothsim/constraints/rigid_bodies.h"
 #include "clothsim/constraints/self_contacts.h"
 #include "clothsim/constraints/strain_limit.h"
@@ -113,20 +114,12 @@ struct Simulator::Impl {
 
   /// Takes the method for the present scene. Keeps the current one where it is the same, unless
   /// `anew`.
-  void choose(bool anew) {
-    const Cloth free = without_grips();
-    const MethodChoice choice = choose_method(scene.simulation, free, scene.colliders);
-    if (anew || choice.method != method->choice.method) {
-      method.emplace(scene.simulation, free, scene.colliders);
-    } else {
-      method->choice = choice;
-      method->omega_max = omega_max_bound(free);
-    }
-  }
+  void choose(bool anew);
 
   void forget_constraints() {
     if (strain_limit) strain_limit->reset();
     collider_contacts.reset();
+    lagged_contact.reset();
     body_contacts.reset();
     attachments.reset();
     if (self_contacts) self_contacts->reset();
@@ -253,6 +246,8 @@ struct Simulator::Impl {
   bool recover();
   /// False where the state is no longer finite, or the budget is spent.
   bool substep(double h, StepReport&);
+  /// The lagged impulses of contact in a step of h [s]; null where none act.
+  const Points* begin_lagged_contact(double h);
   /// Plans the number of substeps of h [s] that use this detection, including this one.
   void plan_detection(double h);
   /// Displacement of points and colliders, together, before contact with features that were not
@@ -366,6 +361,7 @@ struct Simulator::Impl {
   std::optional<StrainLimit> strain_limit;
   std::vector<MovingCollider> colliders;
   ColliderContacts collider_contacts;
+  LaggedContact lagged_contact;
   RigidBodies bodies;  // of these colliders
   BodyContacts body_contacts;
   BodyAttachments attachments;

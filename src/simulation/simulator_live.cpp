@@ -140,4 +140,15 @@ void Simulator::set_wind(const Vector3& wind) {
   impl_->scene.simulation = changed;
 }
 
+void Simulator::Impl::choose(bool anew) {
+  const Cloth free = without_grips();
+  const MethodChoice choice = choose_method(scene.simulation, free, scene.colliders);
+  if (anew || choice.method != method->choice.method) {
+    method.emplace(scene.simulation, free, scene.colliders);
+  } else {
+    method->choice = choice;
+    method->omega_max = omega_max_bound(free);
+  }
+}
+
 }  // namespace clothsim

@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Increases when the numbers that make up a memory change.
-enum { memory_version = 17 };
+enum { memory_version = 18 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -79,6 +79,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
+  lagged_contact.write(memory);
   if (self_contacts) self_contacts->write(memory);
   bodies.write(memory);
   if (!bodies.empty()) body_contacts.write(memory);
@@ -123,6 +124,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   if (read_limit) read_limit->read(memory);
   ColliderContacts read_contacts;
   read_contacts.read(memory, colliders.size(), cloth);
+  LaggedContact read_lagged;
+  read_lagged.read(memory, cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
   if (read_self_contacts) read_self_contacts->read(memory);
   RigidBodies read_bodies = bodies;
@@ -138,6 +141,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   method = std::move(new_method);
   strain_limit = std::move(read_limit);
   collider_contacts = std::move(read_contacts);
+  lagged_contact = std::move(read_lagged);
   self_contacts = std::move(read_self_contacts);
   bodies = std::move(read_bodies);
   body_contacts = std::move(read_body_contacts);

@@ -87,6 +87,14 @@ class ColliderContacts {
   void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
+  /// Adds the changes of velocities by the contacts of points and faces, and by pinches, in the
+  /// step [m/s].
+  void add_velocities(Points& sum) const {
+    for (const ColliderCache& s : caches_) s.slots.add_velocities(sum);
+    faces_.add_velocities(sum);
+    pinches_.add_velocities(sum);
+  }
+
   /// Number of contacts that carry an impulse and of points that are pinched.
   int count() const;
 

@@ -78,6 +78,9 @@ class ContactList {
   /// In another step of the same length, gives points the impulses of the last one once more.
   void warm_start_again(Points& velocities) { warm_start(1, velocities); }
 
+  /// Adds the changes of velocities by the impulses [m/s].
+  void add_velocities(Points& sum) const;
+
   /// One pass over the contacts, except for those whose points have changed by less than a share of
   /// `tolerance` [m/s] since their last update; over all where it is below 0. Returns the largest
   /// change of a contact's velocity [m/s].

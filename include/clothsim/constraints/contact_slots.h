@@ -121,6 +121,9 @@ class ContactSlots {
   /// Gives the points the impulses of the last step, `scale` times as large.
   void warm_start(const Cloth&, double scale, Points& velocities);
 
+  /// Adds the changes of velocities by the impulses [m/s].
+  void add_velocities(Points& sum) const;
+
   /// One pass. Returns the square of the largest change of a velocity [m^2/s^2].
   double solve_pass(double friction, Points& velocities);
 

@@ -76,6 +76,9 @@ class FaceContacts {
     }
   }
 
+  /// Adds the changes of velocities by the impulses [m/s].
+  void add_velocities(Points& sum) const { list_.add_velocities(sum); }
+
   /// Makes the corners immovable that two colliders hold. A triangle with such corners may be
   /// nearer to the collider than the offset, by the weighted share of the distance that they lack,
   /// as layers that have to be thinner are.

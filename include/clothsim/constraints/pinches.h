@@ -66,6 +66,11 @@ class Pinches {
   /// x 3 [m/s].
   void set_pulls(const Points& given);
 
+  /// Adds the changes of velocities by the pinches in the step [m/s].
+  void add_velocities(Points& sum) const {
+    for (const Pinch& p : pinches_) sum.row(p.point) += p.given.transpose();
+  }
+
   /// Adds the changes of `velocities`, N x 3 [m/s], by the strain limit since the last pass.
   void add_pulls(const Points& velocities);
 

@@ -41,6 +41,9 @@ class SelfContacts {
     return finder_.guard(cloth, step, by_impulses, state);
   }
 
+  /// Adds the changes of velocities by the impulses [m/s].
+  void add_velocities(Points& sum) const { contacts_.add_velocities(sum); }
+
   /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
   void add_impulses(double scale, Points& sum) const;
 

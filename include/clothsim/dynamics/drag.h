@@ -35,7 +35,8 @@ struct Drag {
 void add_fall(const Cloth&, const Loads&, double h, State&);
 
 /// First half of the methods of implicit Euler's family: a step of h [s] without springs, v = v
-/// exp(-c h) + g (1 - exp(-c h)) / c, then x += h v, plus add_fall(). Pins keep their velocity.
+/// exp(-c h) + g (1 - exp(-c h)) / c + loads.impulses, then x += h v, plus add_fall(). Pins keep
+/// their velocity.
 void free_step(const Cloth&, const Loads&, double h, State&);
 
 /// Inertia m_i / (h (1 - exp(-c h)) / c) [N/m] of the points against springs that move them after

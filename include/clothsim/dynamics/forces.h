@@ -10,6 +10,9 @@ namespace clothsim {
 struct Loads {
   Vector3 gravity{0, 0, -9.8};  // [m/s^2]
   bool acts_alone = false;      // nothing holds the cloth: methods let it fall exactly
+  /// Changes of the velocities of free points by impulses in a step [m/s], N x 3; null: none. For
+  /// methods that begin with free_step().
+  const Points* impulses = nullptr;
 };
 
 /// Writes gravity and the forces of springs and bends [N] at `positions` to `forces`, both N x 3.
