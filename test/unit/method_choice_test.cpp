@@ -29,6 +29,15 @@ Scene swinging(double ks = 5000, double density = 150) {
   return scene;
 }
 
+/// Makes a square of 0.3 m of cotton of it, without a strain limit.
+void make_cotton(int side, ClothSpec& cloth) {
+  cloth.columns = cloth.rows = side;
+  cloth.width = cloth.height = 0.3;
+  cloth.material.fabric = Fabric{{1600, 900}, 40, {1.3e-5, 6e-6}, {1e-5, 1e-3}};
+  cloth.material.density = 0.12;
+  cloth.material.strain_limit.reset();
+}
+
 /// The stretch that `softens` tells [%], and the number of substeps with which it is 3 %.
 std::pair<int, int> told_stretch(const MethodChoice& chosen) {
   const std::string text = chosen.reasons.text();
@@ -120,11 +129,8 @@ TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
 TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingMesh) {
   for (const int side : {25, 40}) {
     Scene scene = swinging();
-    scene.cloth.columns = scene.cloth.rows = side;
-    scene.cloth.width = scene.cloth.height = 0.3;
+    make_cotton(side, scene.cloth);
     scene.cloth.orientation = Orientation::vertical;
-    scene.cloth.material.fabric = Fabric{{1600, 900}, 40, {1.3e-5, 6e-6}, {1e-5, 1e-3}};
-    scene.cloth.material.density = 0.12;
     scene.cloth.material.damping = 3;
     scene.cloth.pinned.clear();
     for (int column = 0; column < side; ++column) {
@@ -155,13 +161,9 @@ TEST(MethodChoice, SaysHowFarXpbdStretchesAHangingMesh) {
 
 TEST(MethodChoice, SaysHowFarXpbdStretchesADrapedGrid) {
   Scene scene = shipped_scene("sphere");
-  scene.cloth.columns = scene.cloth.rows = 30;
-  scene.cloth.width = scene.cloth.height = 0.3;
+  make_cotton(30, scene.cloth);
   scene.cloth.origin = Vector3(-0.15, -0.15, 0.303);
   scene.cloth.thickness = 5e-4;
-  scene.cloth.material.fabric = Fabric{{1600, 900}, 40, {1.3e-5, 6e-6}, {1e-5, 1e-3}};
-  scene.cloth.material.density = 0.12;
-  scene.cloth.material.strain_limit.reset();
   scene.colliders.resize(1);
   scene.colliders[0].shape = Cylinder{0.1, 0.09};
   scene.colliders[0].pose = {{0, 0, 0.25}, Eigen::Quaterniond::Identity()};
