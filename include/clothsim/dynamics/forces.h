@@ -6,7 +6,7 @@
 
 namespace clothsim {
 
-/// External loads on a cloth, apart from drag (a property of the cloth) and contact.
+/// Loads on a cloth in a step, apart from drag, which is a property of the cloth.
 struct Loads {
   Vector3 gravity{0, 0, -9.8};  // [m/s^2]
   bool acts_alone = false;      // nothing holds the cloth: methods let it fall exactly
