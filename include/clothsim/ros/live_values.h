@@ -68,10 +68,12 @@ class LiveValues {
   /// in effect.
   LiveValues(const ros::NodeHandle& node, const Generated& start,
              std::function<void(const Generated&)> apply)
-      : start_(start), accepted_(start), apply_(std::move(apply)), server_(mutex_, node) {
+      : start_(start), accepted_(start), apply_(std::move(apply)) {
     accepted_.known = &known_;
-    server_.updateConfig(accepted_);
-    server_.setCallback([this, ns = node.getNamespace()](Config& config, std::uint32_t) {
+    accepted_.__toServer__(node);  // the server begins with the values at the master
+    server_.emplace(mutex_, node);
+    server_->updateConfig(accepted_);
+    server_->setCallback([this, ns = node.getNamespace()](Config& config, std::uint32_t) {
       // dynamic_reconfigure would keep the values of a callback that throws.
       if (const auto why = refusal([&] { apply_(config); }, ns)) {
         ROS_ERROR("%s", why->c_str());
@@ -116,7 +118,7 @@ class LiveValues {
     const auto& all = Generated::__getParamDescriptions__();
     if (std::none_of(all.begin(), all.end(), differs)) return;
     static_cast<Generated&>(accepted_) = values;
-    server_.updateConfig(accepted_);
+    server_->updateConfig(accepted_);
   }
 
   /// Applies the start's values and notifies clients; from any thread. Throws the exceptions of
@@ -126,7 +128,7 @@ class LiveValues {
     if (changed().empty()) return;
     apply_(start_);
     static_cast<Generated&>(accepted_) = start_;
-    server_.updateConfig(accepted_);
+    server_->updateConfig(accepted_);
   }
 
  private:
@@ -135,7 +137,7 @@ class LiveValues {
   Config accepted_;
   std::function<void(const Generated&)> apply_;
   boost::recursive_mutex mutex_;
-  dynamic_reconfigure::Server<Config> server_;
+  std::optional<dynamic_reconfigure::Server<Config>> server_;
 };
 
 }  // namespace clothsim_ros
