@@ -132,8 +132,9 @@ double BodyAttachments::solve_pass(RigidBodies& bodies, Points& velocities) {
   return largest;
 }
 
-void BodyAttachments::end_step(double scale, const Points& velocities) {
+void BodyAttachments::end_step(const Scalars& as_forces, const Points& velocities) {
   for (Row& r : rows_) {
+    const double scale = as_forces[r.attachment.point];
     r.frame_impulse -= scale * r.impulse;
     r.work += std::abs(scale * r.impulse.dot(row(velocities, r.attachment.point)));
   }

@@ -176,7 +176,7 @@ void ColliderContacts::warm_start(const Cloth& cloth, double scale, RigidBodies*
     s.slots.warm_start(cloth, scale, state.velocities);
     if (!bodies || !bodies->is_body(k)) continue;
     Wrench impulse;
-    s.slots.add_impulses(cloth, 1, bodies->motion(k).center, state.positions, impulse);
+    s.slots.add_impulses(cloth.mass, bodies->motion(k).center, state.positions, impulse);
     bodies->motion(k).give(impulse);
   }
 }

@@ -57,12 +57,12 @@ Vector3 total(const std::array<std::array<double, ContactSlots::block>, 3>& lane
 
 }  // namespace
 
-void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3& origin,
+void ContactSlots::add_impulses(const Scalars& masses, const Vector3& origin,
                                 const Points& positions, Wrench& sum) const {
   if (active_.empty()) return;
   LaneSums lanes;
   const bool ends_short = end_of(active_.back()) - first_of(active_.back()) < block;
-  add_up(active_.data(), active_.size() - ends_short, blocks_.data(), cloth.mass.data(), origin,
+  add_up(active_.data(), active_.size() - ends_short, blocks_.data(), masses.data(), origin,
          run_from(positions, 0), lanes);
   if (ends_short) {  // with slots that no point has
     const int b = active_.back(), first = first_of(b), zero = 0;
@@ -70,12 +70,12 @@ void ContactSlots::add_impulses(const Cloth& cloth, double scale, const Vector3&
     double mass[block] = {};
     for (int i = first; i < points_; ++i) {
       x.set(i - first, row(positions, i));
-      mass[i - first] = cloth.mass[i];
+      mass[i - first] = masses[i];
     }
     add_up(&zero, 1, &at(b), mass, origin, x.run(), lanes);
   }
-  sum.force -= scale * total(lanes.impulse);
-  sum.torque -= scale * total(lanes.moment);
+  sum.force -= total(lanes.impulse);
+  sum.torque -= total(lanes.moment);
 }
 
 void ContactSlots::add_velocities(Points& sum) const {
@@ -83,28 +83,26 @@ void ContactSlots::add_velocities(Points& sum) const {
       [&](int i, const ContactImpulse& impulse) { sum.row(i) += impulse.total().transpose(); });
 }
 
-void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                                double scale, const Points& positions,
-                                std::vector<Wrench>& sums) const {
+void FaceContacts::add_impulses(const std::vector<MovingCollider>& colliders, const Scalars& masses,
+                                const Points& positions, std::vector<Wrench>& sums) const {
   for (const Contact& c : list_.contacts()) {
     if (c.impulse.normal_impulse == 0) continue;
     const auto collider = static_cast<std::size_t>(collider_of(c));
     const Vector3& origin = colliders[collider].pose().position;
-    const Vector3 impulse = scale * c.impulse.total();
+    const Vector3 impulse = c.impulse.total();
     for (std::size_t k = 0; k < 3; ++k) {
       const int i = c.points[k];
-      sums[collider].add(row(positions, i) - origin, -cloth.mass[i] * c.moves[k] * impulse);
+      sums[collider].add(row(positions, i) - origin, -masses[i] * c.moves[k] * impulse);
     }
   }
 }
 
-void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
-                           double scale, const Points& positions, std::vector<Wrench>& sums) const {
+void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const Scalars& masses,
+                           const Points& positions, std::vector<Wrench>& sums) const {
   for (const Pinch& p : pinches_) {
     const auto put_on = [&](const MovingCollider& collider, const Vector3& change) {
       sums[static_cast<std::size_t>(&collider - colliders.data())].add(
-          row(positions, p.point) - collider.pose().position,
-          -scale * cloth.mass[p.point] * change);
+          row(positions, p.point) - collider.pose().position, -masses[p.point] * change);
     };
     const Vector3 across = p.across.dot(p.given) * p.across;
     const Vector3 along = p.given - across;
@@ -115,13 +113,13 @@ void Pinches::add_impulses(const std::vector<MovingCollider>& colliders, const C
 }
 
 void ColliderContacts::add_impulses(const std::vector<MovingCollider>& colliders,
-                                    const Cloth& cloth, double scale, const Points& positions,
+                                    const Scalars& masses, const Points& positions,
                                     std::vector<Wrench>& sums) const {
   for (std::size_t k = 0; k < caches_.size(); ++k) {
-    caches_[k].slots.add_impulses(cloth, scale, colliders[k].pose().position, positions, sums[k]);
+    caches_[k].slots.add_impulses(masses, colliders[k].pose().position, positions, sums[k]);
   }
-  faces_.add_impulses(colliders, cloth, scale, positions, sums);
-  pinches_.add_impulses(colliders, cloth, scale, positions, sums);
+  faces_.add_impulses(colliders, masses, positions, sums);
+  pinches_.add_impulses(colliders, masses, positions, sums);
 }
 
 }  // namespace clothsim

@@ -95,9 +95,10 @@ void Holders::hold(const std::vector<Hold>& holds,
 /// Adds by holder the pull of the springs and cells at its points that are stretched to the limit
 /// [N].
 void Holders::add_pulls_at_limit(const Cloth& cloth, Scalars& pulls) const {
-  const double stretch = cloth.strain_limit.value_or(usual_stretch);
   const auto add = [&](std::size_t point, double stiffness, double rest_length) {
-    pulls[points_[point].hold.holder] += stiffness * stretch * rest_length;
+    const Hold& hold = points_[point].hold;
+    const double stretch = cloth.strain_limit_at(hold.point).value_or(usual_stretch);
+    pulls[hold.holder] += stiffness * stretch * rest_length;
   };
   for (const Spring& s : springs_) add(s.point, s.stiffness, s.rest_length);
   for (const auto& [point, cell, corner] : cells_) {
@@ -224,19 +225,19 @@ bool Holders::begin_substep(double h, const Cloth& cloth,
 void Holders::warm_start(const Cloth& cloth, const ContactStep& step, State& state) {
   const double scale = h_ > 0 ? step.h / h_ : 0;
   h_ = step.h;
-  time_ = Drag(cloth.damping, h_).distance;
   if (!any_slips()) return;
   for (Point& p : points_) {
     if (!p.slips) continue;
     const int i = p.hold.point;
     p.carried = velocity_now(p);
+    p.time = Drag(cloth.damping_at(i), h_).distance;
     const Vector3 x =
         row(state.positions, i) - step.displacement_factor * step.h * row(step.drifted, i);
     const Vector3 to_place = place_now(p) - x;
     const double distance = to_place.norm();
     p.want = distance > 0 ? Vector3(std::min(1 / return_time, recovery_speed / distance) * to_place)
                           : Vector3::Zero();
-    p.impulse = clamped(scale * p.impulse, p.max_force * time_);
+    p.impulse = clamped(scale * p.impulse, p.max_force * p.time);
     state.velocities.row(i) += cloth.inv_mass[i] * p.impulse.transpose();
   }
 }
@@ -245,7 +246,7 @@ double Holders::solve_pass(Points& velocities) {
   double largest = 0;
   for (Point& p : points_) {
     if (!p.slips) continue;
-    const double strongest = p.max_force * time_, returning = (1 - slip_friction) * strongest;
+    const double strongest = p.max_force * p.time, returning = (1 - slip_friction) * strongest;
     // The impulse that would stop the point relative to its holder. If it pulls towards the target
     // with at least the returning strength, the point moves away.
     const Vector3 rest = p.impulse - p.mass * (row(velocities, p.hold.point) - p.carried);
@@ -260,15 +261,15 @@ double Holders::solve_pass(Points& velocities) {
   return largest;
 }
 
-bool Holders::update_slipping(const Cloth& cloth, double h, double scale, const Vector3& gravity,
-                              const Points& impulses, State& state) {
+bool Holders::update_slipping(const Cloth& cloth, double h, const Scalars& as_forces,
+                              const Vector3& gravity, const Points& impulses, State& state) {
   for (Point& p : points_) {
     const int i = p.hold.point;
     const Vector3 v = row(state.velocities, i);
     if (p.slips) {
-      p.given = -scale * p.impulse;
+      p.given = -as_forces[i] * p.impulse;
     } else {
-      p.given = row(impulses, i) + h * p.mass * (gravity - cloth.damping * v);
+      p.given = row(impulses, i) + h * p.mass * (gravity - cloth.damping_at(i) * v);
     }
     p.frame_impulse += p.given;
     p.work += std::abs(p.given.dot(v));
@@ -281,7 +282,7 @@ bool Holders::update_slipping(const Cloth& cloth, double h, double scale, const 
       if (is_at(x, place)) continue;
       release(p, p.max_force, -p.given);  // the cloth was in its way
     } else {
-      const bool holds = p.impulse.norm() < (1 - slip_friction) * p.max_force * time_;
+      const bool holds = p.impulse.norm() < (1 - slip_friction) * p.max_force * p.time;
       if (p.is_pressed || !holds || (place - x).norm() > stick_distance_) continue;
       p.slips = false;
       p.start = x;

@@ -83,8 +83,11 @@ double longest_edge_within_limit(const Cloth& cloth, double stretch) {
   // A cloth without limit gets the usual one: the distance of points changes with their springs
   // only where these stretch further.
   static const double usual_limit = Material().strain_limit.value();
-  const double longest =
-      1 + std::max(cloth.strain_limit.value_or(usual_limit) + usual_excess, stretch);
+  double limit = cloth.strain_limit.value_or(usual_limit);
+  for (const auto& of_cloth : cloth.strain_limits) {
+    limit = std::max(limit, of_cloth.value_or(usual_limit));
+  }
+  const double longest = 1 + std::max(limit + usual_excess, stretch);
   if (cloth.is_mesh()) return longest * longest_rest_length(cloth);
   // All triangles of a grid are alike. Without shear springs only its sides hold a cell.
   const auto& [a, b, c] = cloth.triangles.front();

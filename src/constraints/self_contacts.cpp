@@ -25,9 +25,9 @@ double SelfContacts::solve_pass(double tolerance, Points& velocities, const Work
   return h_ * contacts_.solve_pass(tolerance / h_, velocities, workers);
 }
 
-void SelfContacts::add_impulses(double scale, Points& sum) const {
+void SelfContacts::add_impulses(Points& sum) const {
   for (const Contact& c : contacts_.contacts()) {
-    const Vector3 impulse = scale * c.impulse.total();
+    const Vector3 impulse = c.impulse.total();
     for (std::size_t k = 0; k < 4; ++k) {
       sum.row(c.points[k]) += c.weights[k] * impulse.transpose();
     }

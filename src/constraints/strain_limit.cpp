@@ -66,8 +66,7 @@ void set_row(Points& points, int i, const Quad& q) {
 }  // namespace
 
 StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
-    : longest_(1 + cloth.strain_limit.value()),
-      shortest_(shortest_rest_length(cloth)),
+    : shortest_(shortest_rest_length(cloth)),
       inertia_(cloth),
       num_springs_(cloth.num_springs()),
       budget_(budget) {
@@ -79,9 +78,12 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
                                last->family != run.family;
     if (new_direction) ++direction;
     last = &run;
+    const double limit = cloth.strain_limit_at(run.first).value_or(infinity);
+    least_limit_ = std::min(least_limit_, limit);
+    if (limit < infinity) most_limit_ = std::max(most_limit_, limit);
     for (int done = 0; done < run.count; done += Piece::length) {
       const int count = std::min<int>(Piece::length, run.count - done);
-      Piece piece{run.first + done, count, run.offset, direction, run.rest_length, 0};
+      Piece piece{run.first + done, count, run.offset, direction, run.rest_length, 1 + limit, 0};
       // Springs of one offset share a point only where their first points differ by that offset.
       for (int i = 0; i < count; ++i) {
         const bool second = !cloth.is_mesh() && (piece.first + i) / run.offset % 2 == 1;
@@ -103,11 +105,10 @@ StrainLimit::StrainLimit(const Cloth& cloth, WorkBudget* budget)
   close_active();
 }
 
-void StrainLimit::add_impulses(double scale, Points& sum) const {
+void StrainLimit::add_impulses(Points& sum) const {
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const Constraint c = constraint(id);
-    const Vector3 impulse =
-        scale * s.mass[k] * s.velocity_impulse[k] * Vector3(s.x[k], s.y[k], s.z[k]);
+    const Vector3 impulse = s.mass[k] * s.velocity_impulse[k] * Vector3(s.x[k], s.y[k], s.z[k]);
     sum.row(c.a) += impulse.transpose();
     sum.row(c.b) -= impulse.transpose();
   });
@@ -205,9 +206,8 @@ void StrainLimit::warm_start(double h, double displacement_factor, State& state,
 /// than any point does relative to the cloth.
 double StrainLimit::slack(const Cloth& cloth, const State& state) const {
   const double speed = 2 * (longest_beyond_mean(state.velocities) + others_);
-  const double limit = longest_ - 1;
-  if (limit * shortest_ <= speed * step_.h) return 0;  // by far the cheaper check
-  return (limit - worst_stretch(cloth, state.positions)) * shortest_ / speed;
+  if (least_limit_ * shortest_ <= speed * step_.h) return 0;  // by far the cheaper check
+  return (least_limit_ - worst_stretch(cloth, state.positions)) * shortest_ / speed;
 }
 
 void StrainLimit::prepare(const Cloth& cloth, double displacement_factor, State& state,

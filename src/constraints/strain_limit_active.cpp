@@ -15,7 +15,7 @@ constexpr int segment_length = near_at_once / 2 / static_cast<int>(FourSprings::
 /// Finds springs longer than their limit, and those that an impulse still holds. Returns false
 /// where they are those of the last step.
 bool StrainLimit::find_active(const Points& positions, const Workers& workers) {
-  flag_longer_than(longest_, positions, workers);
+  flag_beyond_limit_by(0, positions, workers);
   for (std::size_t i = 0; i < ids_.size(); ++i) {
     if (velocity_impulses_[i] > 0) flag(ids_[i]);
   }
@@ -60,7 +60,7 @@ void StrainLimit::list(int id, const Piece& piece, std::size_t& next) {
   s.a[k] = FourSprings::place(touch(a));
   s.b[k] = FourSprings::place(touch(a + piece.offset));
   ids_.push_back(id);
-  lengths_.push_back(longest_ * piece.rest_length);
+  lengths_.push_back(piece.longest * piece.rest_length);
   velocity_impulses_.push_back(pulled ? last_velocity_impulses_[next] : 0);
   masses_.push_back(pulled ? last_masses_[next++] : 0);
   ++num_active_;
@@ -140,14 +140,12 @@ void StrainLimit::leave_to_holders(const std::vector<int>& holder_of_point) {
     }
   }
   for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0 && !is_limited(ids_[i])) {
-      active_[i / FourSprings::count].velocity_impulse[i % FourSprings::count] = 0;
-    }
+    if (ids_[i] >= 0 && !is_limited(ids_[i])) end_impulse(i);
   }
   wake();
 }
 
-void StrainLimit::add_impulse_magnitudes(double scale, std::vector<double>& sum) const {
+void StrainLimit::add_impulse_magnitudes(const Scalars& scale, std::vector<double>& sum) const {
   std::vector<std::size_t> first;  // spring of each piece
   std::size_t springs = 0;
   for (const Piece& piece : pieces_) {
@@ -156,7 +154,7 @@ void StrainLimit::add_impulse_magnitudes(double scale, std::vector<double>& sum)
   }
   for_each_active([&](const FourSprings& s, std::size_t k, int id) {
     const std::size_t spring = first[index(id / Piece::length)] + index(id % Piece::length);
-    sum[spring] += scale * s.mass[k] * s.velocity_impulse[k];
+    sum[spring] += scale[constraint(id).a] * s.mass[k] * s.velocity_impulse[k];
   });
 }
 

@@ -29,14 +29,14 @@ void pull_together(const Cloth& cloth, int a, int b, const Vector3& d, Points& p
 /// by the displacements of their ends at most.
 bool StrainLimit::holds(double tolerance) const {
   return solved_alone_ && 2 * moved_ <= tolerance * shortest_ &&
-         !any_longer(active_.data(), lengths_.data(), fours(), 1 + tolerance / longest_,
+         !any_longer(active_.data(), lengths_.data(), fours(), 1 + tolerance / (1 + most_limit_),
                      positions_.data());
 }
 
 int StrainLimit::project_positions(const Cloth& cloth, double tolerance, int max_passes,
                                    Points& positions, const Workers& workers) {
   if (yields_ || is_slack() || holds(tolerance)) return 0;
-  flag_longer_than(longest_ + tolerance, positions, workers);
+  flag_beyond_limit_by(tolerance, positions, workers);
   bool any = false;
   for_each_flagged([&](int id) { any = add_over(cloth, id, tolerance, positions) || any; });
 
@@ -57,8 +57,8 @@ int StrainLimit::project_positions(const Cloth& cloth, double tolerance, int max
   return passes;
 }
 
-bool StrainLimit::is_beyond_repair(double stretch) const {
-  return 1 + stretch > max_projected_ratio * longest_;
+bool StrainLimit::is_beyond_repair(double violation) const {
+  return violation > (max_projected_ratio - 1) * (1 + least_limit_);
 }
 
 /// Lists a spring if it needs projection. Returns whether it does.
@@ -66,8 +66,8 @@ bool StrainLimit::add_over(const Cloth& cloth, int id, double tolerance, const P
   const Constraint c = constraint(id);
   if (cloth.inv_mass[c.a] + cloth.inv_mass[c.b] == 0 || !is_limited(id)) return false;
   const double length2 = (row(positions, c.b) - row(positions, c.a)).squaredNorm();
-  const double longest = (longest_ + tolerance) * c.rest_length;
-  const double farthest = max_projected_ratio * longest_ * c.rest_length;
+  const double longest = (c.longest + tolerance) * c.rest_length;
+  const double farthest = max_projected_ratio * c.longest * c.rest_length;
   if (length2 <= longest * longest || length2 > farthest * farthest) return false;
   over_[index(c.colour)].push_back(id);
   return true;
@@ -83,8 +83,8 @@ bool StrainLimit::project_springs(const Cloth& cloth, const std::vector<int>& id
       const Constraint c = constraint(ids[index(i)]);
       const Vector3 d = row(positions, c.b) - row(positions, c.a);
       const double length = d.norm();
-      if (length <= (longest_ + tolerance) * c.rest_length) continue;
-      const double target = longest_ + tolerance - tolerance / tolerance_per_residual;
+      if (length <= (c.longest + tolerance) * c.rest_length) continue;
+      const double target = c.longest + tolerance - tolerance / tolerance_per_residual;
       const double excess = length - target * c.rest_length;
       const double mass = 1 / (cloth.inv_mass[c.a] + cloth.inv_mass[c.b]);
       pull_together(cloth, c.a, c.b, mass * excess / length * d, positions);
@@ -144,13 +144,13 @@ void StrainLimit::list_springs_of_points(const Cloth& cloth) {
   for_each_end([&](int id, int point) { springs_of_points_[index(next[index(point)]++)] = id; });
 }
 
-void StrainLimit::flag_longer_than(double stretch, const Points& positions,
-                                   const Workers& workers) {
+void StrainLimit::flag_beyond_limit_by(double stretch, const Points& positions,
+                                       const Workers& workers) {
   const auto look = [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int i = order_[index(k)];
       const Piece& piece = pieces_[index(i)];
-      const double longest = stretch * piece.rest_length;
+      const double longest = (piece.longest + stretch) * piece.rest_length;
       flags_[index(i)] =
           limited_[index(i)] & longer_bits(&positions(piece.first, 0), &positions(piece.first, 1),
                                            &positions(piece.first, 2), piece.offset, piece.count,

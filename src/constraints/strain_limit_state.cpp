@@ -11,13 +11,19 @@ namespace clothsim {
 
 void StrainLimit::take_over(StrainLimit&& last) {
   assert(pieces_.size() == last.pieces_.size());
-  const double longest = longest_;
+  std::vector<Piece> pieces = std::move(pieces_);  // with their limits
+  const double least_limit = least_limit_, most_limit = most_limit_;
   inertia_.take_over(std::move(last.inertia_));
   last.inertia_ = std::move(inertia_);
   *this = std::move(last);
-  longest_ = longest;
+  pieces_ = std::move(pieces);
+  least_limit_ = least_limit;
+  most_limit_ = most_limit;
   for (std::size_t i = 0; i < ids_.size(); ++i) {
-    if (ids_[i] >= 0) lengths_[i] = longest_ * constraint(ids_[i]).rest_length;
+    if (ids_[i] < 0) continue;
+    const Constraint c = constraint(ids_[i]);
+    lengths_[i] = c.longest * c.rest_length;
+    if (c.longest == infinity) end_impulse(i);
   }
 }
 

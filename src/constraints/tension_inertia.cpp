@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "clothsim/dynamics/drag.h"
 #include "clothsim/model/lanes.h"
 #include "clothsim/model/point_run.h"
 #include "clothsim/model/target_clones.h"
@@ -151,7 +152,7 @@ void add_up(int count, const Carriers& c, Body& sums) {
   for (int k = 0; k < n; ++k) {
     double sum = 0;
     for (const double lane : lanes[k]) sum += lane;
-    all[k] = sum;
+    all[k] += sum;
   }
 }
 
@@ -207,12 +208,14 @@ void TensionInertia::give_back(const Cloth& cloth, double h, double displacement
   const int count = cloth.num_points();
   const double impulse_time = displacement_factor * h;
   const Vector3 origin = row(state.positions, 0);
-  Body body;
-  add_up(count,
-         {run_from(state.positions, 0), run_from(state.velocities, 0),
-          run_from(start_velocities_, 0), cloth.mass.data(), stiffness_.data(), impulse_time,
-          inertia_factor * h * h, std::exp(-cloth.damping * h), origin},
-         body);
+  Body body{};
+  for_each_damping(cloth, 0, count, [&](int begin, int end, double damping) {
+    add_up(end - begin,
+           {run_from(state.positions, begin), run_from(state.velocities, begin),
+            run_from(start_velocities_, begin), &cloth.mass[begin], &stiffness_[begin],
+            impulse_time, inertia_factor * h * h, std::exp(-damping * h), origin},
+           body);
+  });
 
   // A rigid motion of the whole, about the centre of mass.
   const Vector3 centre = Vector3(body.first[0], body.first[1], body.first[2]) / mass_;

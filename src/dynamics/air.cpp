@@ -48,15 +48,41 @@ void add_forces(PointRun p, PointRun v, int b, int c, int count, double across, 
   }
 }
 
-/// Adds the forces of a mesh's triangles, one after the other.
-void add_mesh_forces(const Cloth& cloth, double across, double along, const Vector3& wind,
-                     const State& state, Points& forces) {
-  for (const auto& [a, b, c] : cloth.triangles) {
-    double fx = 0, fy = 0, fz = 0;
-    add_forces(run_from(state.positions, a), run_from(state.velocities, a), b - a, c - a, 1, across,
-               along, wind.x(), wind.y(), wind.z(), &fx, &fy, &fz);
-    for (const int i : {a, b, c}) forces.row(i) += Eigen::RowVector3d(fx, fy, fz);
+/// Factors of the pressure and the friction on a corner, of a third of each triangle's force.
+std::array<double, 2> on_corners(const std::array<double, 2>& drag) {
+  return {air_density / 2 * drag[0] / 3, air_density / 2 * drag[1] / 3};
+}
+
+/// Calls visit(drag, begin, end) for the triangles of each cloth of a mesh.
+template <typename Visit>
+void for_each_drag(const Cloth& cloth, const Visit& visit) {
+  const std::vector<int>& first = cloth.first_triangles;
+  if (first.empty()) return visit(cloth.drag, std::size_t{0}, cloth.triangles.size());
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    const bool is_last = k + 1 == first.size();
+    visit(cloth.drags.empty() ? cloth.drag : cloth.drags[k], static_cast<std::size_t>(first[k]),
+          is_last ? cloth.triangles.size() : static_cast<std::size_t>(first[k + 1]));
   }
+}
+
+/// Adds the forces of a mesh's triangles, one after the other.
+void add_mesh_forces(const Cloth& cloth, const Vector3& wind, const State& state, Points& forces) {
+  for_each_drag(cloth, [&](const auto& drag, std::size_t begin, std::size_t end) {
+    const auto [across, along] = on_corners(drag);
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& [a, b, c] = cloth.triangles[t];
+      double fx = 0, fy = 0, fz = 0;
+      add_forces(run_from(state.positions, a), run_from(state.velocities, a), b - a, c - a, 1,
+                 across, along, wind.x(), wind.y(), wind.z(), &fx, &fy, &fz);
+      for (const int i : {a, b, c}) forces.row(i) += Eigen::RowVector3d(fx, fy, fz);
+    }
+  });
+}
+
+/// See air_rate(), of a part of a cloth.
+double rate_of(const std::array<double, 2>& drag, double mass, double area, double speed) {
+  // The factor 2 is that of the derivative of the square.
+  return air_density * std::max(drag[0], drag[1]) * speed * area / mass;
 }
 
 /// Sums the forces of triangles on points [0, count), of which columns of cells begin there.
@@ -89,18 +115,17 @@ Vector3 wind_at(const Vector3& mean, const Gusts& gusts, double time) {
   return wind;
 }
 
-const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>& drag,
-                                 const Vector3& wind, const State& state, const Workers& workers) {
+const Points& AirForces::compute(const Cloth& cloth, const Vector3& wind, const State& state,
+                                 const Workers& workers) {
   const int n = cloth.num_points();
   const int columns = cloth.columns;
   forces_.setZero(n, 3);
   if (cloth.triangles.empty()) return forces_;
-  const double across = air_density / 2 * drag[0] / 3;
-  const double along = air_density / 2 * drag[1] / 3;
   if (cloth.is_mesh()) {
-    add_mesh_forces(cloth, across, along, wind, state, forces_);
+    add_mesh_forces(cloth, wind, state, forces_);
     return forces_;
   }
+  const auto [across, along] = on_corners(cloth.drag);
 
   // Triangles by the first point of their cell; entries before them stay zero for points without
   // one.
@@ -133,21 +158,27 @@ const Points& AirForces::compute(const Cloth& cloth, const std::array<double, 2>
   return forces_;
 }
 
-double air_rate(const Cloth& cloth, const std::array<double, 2>& drag, double speed) {
+double air_rate(const Cloth& cloth, double speed) {
   if (cloth.triangles.empty()) return 0;
-  double area = 0;
   if (cloth.is_mesh()) {
-    for (const TriangleFabric::Triangle& t : cloth.triangle_fabric->triangles) area += t.area;
-  } else {
-    const auto& [a, b, c] = cloth.triangles.front();
-    const Vector3 corner = row(cloth.rest_positions, a);
-    const double cell =
-        (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
-    area = cell * (cloth.rows - 1) * (cloth.columns - 1);
+    double fastest = 0;
+    for_each_drag(cloth, [&](const auto& drag, std::size_t begin, std::size_t end) {
+      double mass = 0, area = 0;
+      for (std::size_t t = begin; t < end; ++t) {
+        const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
+        mass += 3 * triangle.mass;
+        area += triangle.area;
+      }
+      fastest = std::max(fastest, rate_of(drag, mass, area, speed));
+    });
+    return fastest;
   }
-  const double mass_per_area = cloth.mass.sum() / area;
-  // The factor 2 is that of the derivative of the square.
-  return air_density * std::max(drag[0], drag[1]) * speed / mass_per_area;
+  const auto& [a, b, c] = cloth.triangles.front();
+  const Vector3 corner = row(cloth.rest_positions, a);
+  const double cell =
+      (row(cloth.rest_positions, b) - corner).cross(row(cloth.rest_positions, c) - corner).norm();
+  const double area = cell * (cloth.rows - 1) * (cloth.columns - 1);
+  return rate_of(cloth.drag, cloth.mass.sum(), area, speed);
 }
 
 }  // namespace clothsim

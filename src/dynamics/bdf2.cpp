@@ -7,32 +7,31 @@
 
 namespace clothsim {
 
+bool Bdf2::has_history(int i, const State& now) const {
+  return now.positions.row(i) == returned_.positions.row(i) &&
+         now.velocities.row(i) == returned_.velocities.row(i);
+}
+
 void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, const Workers&) {
   const int n = cloth.num_points();
   const bool has_last = !watch_.changed(cloth, h);
   h_ = h;
-  const auto has_history = [&](int i) {
-    return has_last && state.positions.row(i) == returned_.positions.row(i) &&
-           state.velocities.row(i) == returned_.velocities.row(i);
-  };
-
   // The step without springs.
   const State start = state;
   if (!has_last) add_fall(cloth, loads, h, state);
-  const Drag drag(cloth.damping, h);
-  const double e = drag.decay;
   Scalars gain = Scalars::Constant(n, h);  // displacement per change of velocity [s]
   Scalars weights = Scalars::Zero(n);      // inertia against displacement [N/m]
   bool all_have_history = has_last;
-  for (int i = 0; i < n; ++i) {
+  const auto step_point = [&](int i, const Drag& drag) {
+    const double e = drag.decay;
     auto x = state.positions.row(i);
     auto v = state.velocities.row(i);
     if (cloth.inv_mass[i] == 0) {
       x += h * v;
-      continue;
+      return;
     }
     double time = drag.distance;  // of forces [s]
-    if (has_history(i)) {
+    if (has_last && has_history(i, state)) {
       gain[i] = 2 * h / 3;
       time *= (3 - e) / 3;
       v = e / 3 * (4 * v - e * last_.velocities.row(i)) + time * loads.gravity.transpose();
@@ -43,7 +42,11 @@ void Bdf2::step(const Cloth& cloth, const Loads& loads, double h, State& state, 
       all_have_history = false;
     }
     weights[i] = cloth.mass[i] / (gain[i] * time);
-  }
+  };
+  for_each_damping(cloth, 0, n, [&](int begin, int end, double damping) {
+    const Drag drag(damping, h);
+    for (int i = begin; i < end; ++i) step_point(i, drag);
+  });
   const Past past = all_have_history ? past_of(cloth, start.positions, last_.positions, h)
                                      : past_of(cloth, start, h);
   last_ = start;

@@ -56,8 +56,8 @@ bool ClothWatch::differs(const Cloth& cloth, double h) const {
   const bool same_forces =
       same(cloth.springs, springs_) && same(cloth.bends, bends_) && same(cloth.cells, cells_) &&
       same(cloth.triangle_fabric, triangle_fabric_) && cloth.internal_damping == internal_damping_;
-  return !(same_forces && h == h_ && cloth.damping == damping_ && same(cloth.mass, mass_) &&
-           same(cloth.inv_mass, inv_mass_));
+  return !(same_forces && h == h_ && cloth.damping == damping_ && cloth.dampings == dampings_ &&
+           same(cloth.mass, mass_) && same(cloth.inv_mass, inv_mass_));
 }
 
 bool ClothWatch::changed(const Cloth& cloth, double h) {
@@ -66,6 +66,7 @@ bool ClothWatch::changed(const Cloth& cloth, double h) {
   if (!differed) return false;
   h_ = h;
   damping_ = cloth.damping;
+  dampings_ = cloth.dampings;
   mass_ = cloth.mass;
   inv_mass_ = cloth.inv_mass;
   springs_ = cloth.springs;

@@ -21,11 +21,13 @@ void kick(int count, double decay, double t, const double* inv_mass, const doubl
   }
 }
 
-/// Points [begin, end) of a cloth: the updates between two forces, each of its points alone.
+/// Points [begin, end) of one cloth: the updates between two forces, each of its points alone.
 struct Band {
   const Cloth& cloth;
   int begin;
   int end;
+  double half;   // decay by drag in half a step
+  double whole;  // and in a whole one
 
   void advance(double t, const Points& from, const Points& rate, Points& to) const {
     for (int axis = 0; axis < 3; ++axis) {
@@ -54,40 +56,40 @@ void RungeKutta4::step(const Cloth& cloth, const Loads& loads, double h, State& 
   for (Points* points : {&forces_, &x_, &v_, &end_positions_, &end_velocities_}) {
     points->resize(cloth.num_points(), 3);
   }
-  const double half = Drag(cloth.damping, h / 2).decay;
-  const double whole = Drag(cloth.damping, h).decay;
   const Points& x0 = state.positions;
   const Points& v0 = state.velocities;
   // The forces at x, then the updates that follow from them, point by point.
   const auto stage = [&](const Points& x, const Points& v, const auto& update) {
     compute_forces(cloth, loads, x, forces_, workers, &v);
     workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
-      update(Band{cloth, begin, end});
+      for_each_damping(cloth, begin, end, [&](int first, int next, double damping) {
+        update(Band{cloth, first, next, Drag(damping, h / 2).decay, Drag(damping, h).decay});
+      });
     });
   };
 
   // Slopes at the start.
   stage(x0, v0, [&](const Band& band) {
     band.advance(h / 6, x0, v0, end_positions_);
-    band.kick(whole, h / 6 * whole, v0, forces_, end_velocities_);
+    band.kick(band.whole, h / 6 * band.whole, v0, forces_, end_velocities_);
     band.advance(h / 2, x0, v0, x_);
-    band.kick(half, h / 2 * half, v0, forces_, v_);
+    band.kick(band.half, h / 2 * band.half, v0, forces_, v_);
   });
 
   // Slopes in the middle, with the first ones.
   stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
-    band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+    band.kick(1, h / 3 * band.half, end_velocities_, forces_, end_velocities_);
     band.advance(h / 2, x0, v_, x_);
-    band.kick(half, h / 2, v0, forces_, v_);
+    band.kick(band.half, h / 2, v0, forces_, v_);
   });
 
   // Slopes in the middle, with the second ones.
   stage(x_, v_, [&](const Band& band) {
     band.advance(h / 3, end_positions_, v_, end_positions_);
-    band.kick(1, h / 3 * half, end_velocities_, forces_, end_velocities_);
+    band.kick(1, h / 3 * band.half, end_velocities_, forces_, end_velocities_);
     band.advance(h, x0, v_, x_);
-    band.kick(whole, h * half, v0, forces_, v_);
+    band.kick(band.whole, h * band.half, v0, forces_, v_);
   });
 
   // Slopes at the end.

@@ -72,4 +72,16 @@ double worst_stretch(const Cloth& cloth, const Points& positions) {
   return worst;
 }
 
+double worst_violation(const Cloth& cloth, const Points& positions, double worst) {
+  if (!cloth.strain_limit) return 0;
+  if (cloth.strain_limits.empty()) return std::max(worst - *cloth.strain_limit, 0.0);
+  double violation = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const double longest = 1 + cloth.strain_limit_at(a).value_or(infinity);
+    const double length = (row(positions, b) - row(positions, a)).norm();
+    violation = std::max(violation, length / run.rest_length - longest);
+  });
+  return violation;
+}
+
 }  // namespace clothsim

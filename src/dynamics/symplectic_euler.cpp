@@ -25,13 +25,15 @@ void SymplecticEuler::step(const Cloth& cloth, const Loads& loads, double h, Sta
   compute_forces(cloth, loads, state.positions, forces_, workers, &state.velocities);
 
   add_fall(cloth, loads, h, state);
-  const Drag drag(cloth.damping, h);
   workers.parallel_for(cloth.num_points(), [&](int begin, int end) {
-    for (int axis = 0; axis < 3; ++axis) {
-      kick_and_drift(end - begin, h, drag.distance, drag.decay, &cloth.inv_mass[begin],
-                     &forces_(begin, axis), &state.positions(begin, axis),
-                     &state.velocities(begin, axis));
-    }
+    for_each_damping(cloth, begin, end, [&](int first, int next, double damping) {
+      const Drag drag(damping, h);
+      for (int axis = 0; axis < 3; ++axis) {
+        kick_and_drift(next - first, h, drag.distance, drag.decay, &cloth.inv_mass[first],
+                       &forces_(first, axis), &state.positions(first, axis),
+                       &state.velocities(first, axis));
+      }
+    });
   });
 }
 

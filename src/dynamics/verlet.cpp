@@ -86,16 +86,23 @@ void VelocityVerlet::step(const Cloth& cloth, const Loads& loads, double h, Stat
 
 void VelocityVerlet::step_mesh(const Cloth& cloth, const Loads& loads, double h, State& state,
                                const Workers& workers) {
-  const Kick kick(cloth.damping, h);
   const int n = cloth.num_points();
   mesh_forces_.resize(n, 3);
-  workers.parallel_for(n, [&](int begin, int end) {
-    drift(end - begin, h / 2, kick.half.distance, &cloth.inv_mass[begin],
+  const auto in_bands = [&](const auto& visit) {
+    workers.parallel_for(n,
+                         [&](int begin, int end) { for_each_damping(cloth, begin, end, visit); });
+  };
+  in_bands([&](int begin, int end, double damping) {
+    drift(end - begin, h / 2, Drag(damping, h / 2).distance, &cloth.inv_mass[begin],
           run_from(state.velocities, begin), run_from(state.positions, begin),
           run_from(state.positions, begin));
   });
   compute_triangle_forces(cloth, loads, state.positions, mesh_forces_, workers, &state.velocities);
-  workers.parallel_for(n, [&](int begin, int end) {
+  const double factor = displacement_factor(cloth.damping, h);
+  in_bands([&](int begin, int end, double damping) {
+    Kick kick(damping, h);
+    // Constraints have one factor for all cloths.
+    if (!loads.acts_alone) kick.position *= factor / displacement_factor(damping, h);
     for (int axis = 0; axis < 3; ++axis) {
       double* const x = &state.positions(begin, axis);
       kick_and_drift(end - begin, kick, &cloth.inv_mass[begin], &mesh_forces_(begin, axis), x, x,

@@ -27,11 +27,11 @@ void Xpbd::build(const Cloth& cloth, double h) {
 }
 
 void Xpbd::build_membranes(const Cloth& cloth, double h) {
-  const double time2 = h * Drag(cloth.damping, h).distance;
   Colouring<MembraneConstraint> colouring(cloth);
   for (std::size_t t = 0; t < cloth.triangles.size(); ++t) {
     const TriangleFabric::Triangle& triangle = cloth.triangle_fabric->triangles[t];
     const double damped = 1 + cloth.internal_damping_at(cloth.triangles[t][0])[0] / h;
+    const double time2 = free_step_time2(cloth, cloth.triangles[t][0], h);
     colouring.add({cloth.triangles[t], triangle.rest2, damped * time2 * triangle.stretch,
                    triangle.rest2, Vector3::Zero()},
                   cloth.triangles[t]);
@@ -234,7 +234,10 @@ void Xpbd::realign(const Cloth& cloth, Points& positions) {
 }
 
 void Xpbd::add_reactions(const Cloth& cloth, double h, Points& impulses) const {
-  impulses += reactions_ / Drag(cloth.damping, h).distance;
+  for_each_damping(cloth, 0, cloth.num_points(), [&](int begin, int end, double damping) {
+    impulses.middleRows(begin, end - begin) +=
+        reactions_.middleRows(begin, end - begin) / Drag(damping, h).distance;
+  });
 }
 
 void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,

@@ -27,11 +27,10 @@ std::array<Eigen::Matrix3d, PatchBend::size> derivatives_of(const PatchBend& ben
 void Xpbd::build_curved(const Cloth& cloth, double h) {
   curved_ = {};
   if (!cloth.is_mesh()) return;
-  const double time2 = h * Drag(cloth.damping, h).distance;
   Colouring<CurvedConstraint> colouring(cloth);
   for (const PatchBend& bend : cloth.triangle_fabric->bends) {
     if (bend.curvature == 0) continue;
-    const double compliance = 1 / (bend.stiffness * time2);
+    const double compliance = 1 / (bend.stiffness * free_step_time2(cloth, bend.points[0], h));
     const double tau = cloth.internal_damping_at(bend.points[0])[1];
     const Vector3 none = Vector3::Zero();
     Derivatives unset;

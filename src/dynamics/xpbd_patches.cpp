@@ -40,13 +40,13 @@ Eigen::Matrix3d inverse_masses(const Cloth& cloth, const std::array<int, PatchBe
 void Xpbd::build_patches(const Cloth& cloth, double h) {
   patches_ = {};
   if (!cloth.is_mesh()) return;
-  const double time2 = h * Drag(cloth.damping, h).distance;
   Colouring<PatchConstraint> colouring(cloth);
   const std::vector<PatchBend>& bends = cloth.triangle_fabric->bends;
   for (std::size_t first = 0, next; first < bends.size(); first = next) {
     PatchConstraint c{bends[first].points,     Coefficients::Zero(),    Vector3::Zero(),
                       Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
     const double damped = 1 + cloth.internal_damping_at(c.points[0])[1] / h;
+    const double time2 = free_step_time2(cloth, c.points[0], h);
     Vector3 diagonal = Vector3::Ones();  // in rows without a bend
     Eigen::Index row = 0;
     for (next = first; next < bends.size() && bends[next].points == c.points; ++next) {

@@ -62,6 +62,17 @@ int Cloth::num_springs() const {
   return count;
 }
 
+std::size_t Cloth::cloth_of(int point) const {
+  const auto next = std::upper_bound(first_points.begin(), first_points.end(), point);
+  return next == first_points.begin() ? 0
+                                      : static_cast<std::size_t>(next - first_points.begin() - 1);
+}
+
+bool Cloth::is_limited() const {
+  const auto is_set = [](const std::optional<double>& limit) { return limit.has_value(); };
+  return strain_limit && std::all_of(strain_limits.begin(), strain_limits.end(), is_set);
+}
+
 double Cloth::friction_between(int i, int j) const {
   const double a = friction_at(i), b = friction_at(j);
   return a == b ? a : std::sqrt(a * b);  // the square's root is rounded

@@ -125,6 +125,7 @@ void add_triangles(const ClothSpec& spec, Cloth& cloth) {
 
 void set_common(const ClothSpec& spec, Cloth& cloth) {
   cloth.damping = spec.material.damping;
+  cloth.drag = spec.material.drag;
   cloth.strain_limit = spec.material.strain_limit;
   cloth.thickness = spec.thickness;
   if (spec.material.fabric) cloth.offset = std::max(surface_offset, spec.thickness);

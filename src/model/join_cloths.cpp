@@ -8,14 +8,9 @@
 namespace clothsim {
 namespace {
 
-std::string text(double value) { return to_text(value); }
 std::string text(bool value) { return value ? "true" : "false"; }
 std::string text(SelfCollision value) {
   return self_collision_names[static_cast<std::size_t>(value)];
-}
-std::string text(const std::optional<double>& value) { return value ? to_text(*value) : "off"; }
-std::string text(const std::array<double, 2>& pair) {
-  return '[' + to_text(pair[0]) + ", " + to_text(pair[1]) + ']';
 }
 
 /// Calls visit(key, value of one, value of other) for the values that cloths share.
@@ -23,9 +18,6 @@ template <typename Visit>
 void for_each_shared(const ClothSpec& one, const ClothSpec& other, Visit&& visit) {
   visit("self_collision", one.self_collision, other.self_collision);
   visit("untangle", one.untangle, other.untangle);
-  visit("damping", one.material.damping, other.material.damping);
-  visit("drag", one.material.drag, other.material.drag);
-  visit("strain_limit", one.material.strain_limit, other.material.strain_limit);
 }
 
 void check(const NamedCloth& cloth, const NamedCloth& first) {

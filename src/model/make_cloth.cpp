@@ -1,6 +1,9 @@
 #include "clothsim/model/make_cloth.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "clothsim/model/grid.h"
 #include "clothsim/model/triangle_fabric.h"
@@ -9,9 +12,29 @@ namespace clothsim {
 
 namespace {
 
-/// The values by point that are those of each cloth.
-void set_by_point(const std::vector<ClothPart>& parts, Cloth& cloth) {
+/// Sets `by_cloth` to value(part) of each part; leaves it empty where all are equal.
+template <typename Value, typename Of>
+void set_where_different(const std::vector<ClothPart>& parts, const Of& value,
+                         std::vector<Value>& by_cloth) {
+  std::vector<Value> all;
+  for (const ClothPart& part : parts) all.push_back(value(part));
+  const auto differs = [&](const Value& v) { return v != all.front(); };
+  if (std::any_of(all.begin(), all.end(), differs)) by_cloth = std::move(all);
+}
+
+/// The values that are those of each cloth.
+void set_by_cloth(const std::vector<ClothPart>& parts, Cloth& cloth) {
   if (parts.empty()) return;
+  set_where_different(
+      parts, [](const ClothPart& part) { return part.material.damping; }, cloth.dampings);
+  set_where_different(
+      parts, [](const ClothPart& part) { return part.material.drag; }, cloth.drags);
+  set_where_different(
+      parts, [](const ClothPart& part) { return part.material.strain_limit; }, cloth.strain_limits);
+  for (const double damping : cloth.dampings) cloth.damping = std::min(cloth.damping, damping);
+  for (const std::optional<double>& limit : cloth.strain_limits) {
+    cloth.strain_limit = std::max(cloth.strain_limit, limit);  // none is the least
+  }
   cloth.frictions.resize(cloth.num_points());
   cloth.thicknesses.resize(cloth.num_points());
   for (const ClothPart& part : parts) {
@@ -39,7 +62,7 @@ Cloth make_cloth(const ClothSpec& spec, double gravity) {
   }
   add_triangle_fabric(spec, cloth);
   set_common(spec, cloth);
-  set_by_point(spec.parts, cloth);
+  set_by_cloth(spec.parts, cloth);
   const bool is_automatic = spec.self_collision == SelfCollision::automatic;
   cloth.self_collision = is_automatic ? SelfCollision::surface : spec.self_collision;
   return cloth;

@@ -117,9 +117,9 @@ void serialize(Archive& archive, clothsim::LiveSpec& live) {
 template <class Archive>
 void serialize(Archive& archive, clothsim::StepReport& report) {
   archive(report.method, report.substeps, report.predicted_error, report.reasons, report.recoveries,
-          report.sweeps, report.corrections, report.worst_stretch, report.contacts,
-          report.added_mass, report.ran_out, report.held_back, report.pinched, report.pinched_point,
-          report.slipping, report.lagging, report.crossings);
+          report.sweeps, report.corrections, report.worst_stretch, report.violation,
+          report.contacts, report.added_mass, report.ran_out, report.held_back, report.pinched,
+          report.pinched_point, report.slipping, report.lagging, report.crossings);
 }
 
 template <class Archive>

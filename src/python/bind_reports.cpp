@@ -22,6 +22,8 @@ void bind_reports(py::module_& module) {
                     "Passes that shortened springs still over the limit, summed likewise.")
       .def_readonly("worst_stretch", &StepReport::worst_stretch,
                     "Largest l / L0 - 1 of a spring at the frame's end.")
+      .def_readonly("violation", &StepReport::violation,
+                    "Largest part of it beyond the strain limit of the spring's cloth.")
       .def_readonly("contacts", &StepReport::contacts,
                     "Points on colliders plus contacts of the cloth with itself.")
       .def_readonly("ran_out", &StepReport::ran_out,

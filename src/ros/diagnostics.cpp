@@ -103,8 +103,8 @@ void fill_step(const NodeStatus& status, const DiagnosticLimits& limits, Wrapper
   }
   out.add("sweeps", report.sweeps);
   out.addf("worst stretch [%]", "%.2f", 100 * report.worst_stretch);
-  if (status.strain_limit) {
-    const double violation = std::max(0.0, report.worst_stretch - *status.strain_limit);
+  if (status.is_limited) {
+    const double violation = report.violation;
     out.addf("violation of the strain limit [%]", "%.2f", 100 * violation);
     const std::int8_t level = level_at_most(violation, limits.violation);
     if (level != DiagnosticStatus::OK) {

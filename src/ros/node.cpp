@@ -241,7 +241,7 @@ void Node::publish_diagnostics() {
   status.time = time_.take();
   status.report = report_;
   status.holders = simulator_.holders();
-  status.strain_limit = simulator_.scene().cloth.material.strain_limit;
+  status.is_limited = simulator_.cloth().strain_limit.has_value();
   if (simulator_.cloth().self_collision != clothsim::SelfCollision::off) {
     status.intersecting_pairs =
         clothsim::count_intersections(simulator_.cloth(), simulator_.state().positions);

@@ -37,6 +37,9 @@ template <typename Config, typename Cloth, typename Visit>
 void for_each_value_of_cloth(Config& config, Cloth& cloth, Visit&& visit) {
   for_each_value(config, *cloth.material.fabric, visit);
   visit(config.density, cloth.material.density);
+  visit(config.damping, cloth.material.damping);
+  visit(config.drag_across, cloth.material.drag[0]);
+  visit(config.drag_along, cloth.material.drag[1]);
   visit(config.thickness, cloth.thickness);
   visit(config.friction, cloth.friction);
   visit(config.structural, cloth.material.springs[0]);
@@ -44,11 +47,22 @@ void for_each_value_of_cloth(Config& config, Cloth& cloth, Visit&& visit) {
   visit(config.bending, cloth.material.springs[2]);
 }
 
-/// `config` with the values of one of several cloths.
+/// `config` with the values of one of several cloths. A strain limit that is off keeps its number.
 template <typename Config>
 Config with_values_of(const OfCloth& cloth, Config config) {
   for_each_value_of_cloth(config, cloth, [](auto& shown, const auto& value) { shown = value; });
+  config.strain_limit_enabled = cloth.material.strain_limit.has_value();
+  config.strain_limit = cloth.material.strain_limit.value_or(config.strain_limit);
   return config;
+}
+
+/// Sets the values of one of several cloths. Throws InvalidValue. A strain limit is checked even
+/// while it is off, so that it can be switched on.
+void set_values_of_cloth(ClothConfig config, OfCloth& cloth) {
+  for_each_value_of_cloth(config, cloth, [](const auto& given, auto& value) { value = given; });
+  cloth.material.strain_limit = config.strain_limit;
+  clothsim::validate(cloth.material);
+  if (!config.strain_limit_enabled) cloth.material.strain_limit.reset();
 }
 
 /// Sets a cloth's stiffness, or its fabric, from `config`. Throws where a value of the other kind
@@ -238,11 +252,10 @@ struct Reconfigure::Impl {
 
   /// Serves the values of one of several cloths in namespace `ns`.
   void add_cloth(const ros::NodeHandle& node, std::size_t index, const std::string& ns) {
-    const auto apply = [this, index, ns](ClothConfig config) {
+    const auto apply = [this, index, ns](const ClothConfig& config) {
       if (!serving) return;  // in effect already
       clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
-      for_each_value_of_cloth(config, live.cloths[index],
-                              [](const auto& given, auto& value) { value = given; });
+      set_values_of_cloth(config, live.cloths[index]);
       simulator.set(live);
       if (index == 0) {  // which the node's own values show
         last = with_values_of(live.cloths[0], last);
@@ -265,9 +278,7 @@ struct Reconfigure::Impl {
     if (std::none_of(cloths.begin(), cloths.end(), is_changed)) return;
     clothsim::LiveSpec live = clothsim::live_values(simulator.scene());
     for (std::size_t i = 0; i < cloths.size(); ++i) {
-      ClothConfig start = cloths[i].values->start();
-      for_each_value_of_cloth(start, live.cloths[i],
-                              [](const auto& given, auto& value) { value = given; });
+      set_values_of_cloth(cloths[i].values->start(), live.cloths[i]);
     }
     live.material = live.cloths.front().material;
     live.friction = live.cloths.front().friction;
@@ -275,7 +286,9 @@ struct Reconfigure::Impl {
     simulator.set(live);
     last = with_values_of(live.cloths.front(), last);
     values.show(last);
-    show_cloths();
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      cloths[i].values->show(with_values_of(live.cloths[i], cloths[i].values->start()));
+    }
     clothsim::Change change;
     for (const auto& [ns, of_cloth] : cloths) append(of_cloth->accepted(), ns, change.values);
     changes.publish("set_parameters", change);

@@ -72,24 +72,18 @@ std::vector<Field> fabric_fields(Fabric& fabric) {
           {"poisson", into(fabric.poisson)}};
 }
 
-std::vector<Field> own_live_fields(Material& material) {
+std::vector<Field> live_fields(Material& material) {
   std::vector<Field> fields = {
       {"springs", [&material](const YAML::Node& map) { read_springs(map, material.springs); }},
-      {"density", into(material.density)}};
+      {"density", into(material.density)},
+      {"damping", into(material.damping)},
+      {"drag", into(material.drag)},
+      {"strain_limit", into(material.strain_limit)}};
   if (material.fabric) {
     append(fabric_fields(*material.fabric), fields);
   } else {
     fields.push_back({"ks", into(material.ks)});
   }
-  return fields;
-}
-
-std::vector<Field> live_fields(Material& material) {
-  std::vector<Field> fields = own_live_fields(material);
-  append({{"damping", into(material.damping)},
-          {"drag", into(material.drag)},
-          {"strain_limit", into(material.strain_limit)}},
-         fields);
   return fields;
 }
 

@@ -40,7 +40,10 @@ std::string text(const Material& material) {
   std::string springs;
   for (const bool on : material.springs) springs += on ? '1' : '0';
   return join({text(material.density), text(warp), text(weft), text(fabric.shear_stiffness),
-               text(bend_warp), text(bend_weft), text(fabric.poisson), springs});
+               text(bend_warp), text(bend_weft), text(fabric.poisson),
+               text(fabric.internal_damping[0]), text(fabric.internal_damping[1]),
+               text(material.damping), text(material.drag[0]), text(material.drag[1]),
+               material.strain_limit ? text(*material.strain_limit) : "off", springs});
 }
 
 /// Hash of all numbers of a mesh.

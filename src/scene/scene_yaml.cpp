@@ -93,7 +93,7 @@ void read_values_by_cloth(const YAML::Node& map, LiveSpec& live) {
   for (LiveSpec::OfCloth& cloth : live.cloths) {
     cloths.push_back(
         {cloth.name, [&cloth](const YAML::Node& values) {
-           std::vector<Field> fields = own_live_fields(cloth.material);
+           std::vector<Field> fields = live_fields(cloth.material);
            append({{"friction", into(cloth.friction)}, {"thickness", into(cloth.thickness)}},
                   fields);
            read_map(values, fields);

@@ -257,7 +257,7 @@ void Simulator::Impl::prepare_contacts(const ContactStep& step, StepReport& repo
   if (self_contacts) self_contacts->release_pinched(pinches, state.velocities);
   if (strain_limit) {
     Points pulls = Points::Zero(cloth.num_points(), 3);
-    strain_limit->add_impulses(1, pulls);
+    strain_limit->add_impulses(pulls);
     pulls.array().colwise() *= cloth.inv_mass.array();
     pinches.set_pulls(pulls);
   }

@@ -74,7 +74,7 @@ std::vector<double> Simulator::tensions() const {
   // The limit acts at a substep's end, when drag has reduced the effect of forces in it.
   const double h = impl_->last_substep;
   if (impl_->strain_limit && h > 0) {
-    impl_->strain_limit->add_impulse_magnitudes(1 / Drag(cloth().damping, h).distance, tensions);
+    impl_->strain_limit->add_impulse_magnitudes(impulses_as_forces(cloth(), h) / h, tensions);
   }
   return tensions;
 }

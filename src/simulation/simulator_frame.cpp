@@ -70,6 +70,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
     return Outcome::went_too_far;
   }
   report.worst_stretch = worst_stretch(cloth, state.positions);
+  report.violation = worst_violation(cloth, state.positions, report.worst_stretch);
   tell_reasons(report);
   return is_explained(before, report) ? Outcome::good : Outcome::failed;
 }
@@ -114,7 +115,7 @@ int Simulator::Impl::first_substeps() {
   }
   if (has_air()) {
     // Air removes at most all of the relative velocity in a substep.
-    const double rate = air_rate(cloth, scene.cloth.material.drag, air_speed());
+    const double rate = air_rate(cloth, air_speed());
     const double steps = std::min(std::ceil(dt * rate), double{max_substeps});
     min_steps = std::max(min_steps, static_cast<int>(steps));
   }
@@ -161,7 +162,7 @@ void Simulator::Impl::tell_reasons(StepReport& report) const {
   }
   if (frame_context.yields) report.reasons.add(Reason::limit_yields);
   if (frame_context.projection_unconverged ||
-      (strain_limit && strain_limit->is_beyond_repair(report.worst_stretch))) {
+      (strain_limit && strain_limit->is_beyond_repair(report.violation))) {
     report.reasons.add(Reason::passes_unconverged);
   }
 }
@@ -335,8 +336,7 @@ double Simulator::Impl::stretch_after(double h) const {
 }
 
 void Simulator::Impl::apply_wind(double h) {
-  const Points& forces =
-      air.compute(cloth, scene.cloth.material.drag, frame_context.wind, state, workers);
+  const Points& forces = air.compute(cloth, frame_context.wind, state, workers);
   state.velocities += h * (forces.array().colwise() * cloth.inv_mass.array()).matrix();
   if (!holders.empty()) impulses += h * forces;
 }

@@ -14,11 +14,6 @@ namespace {
 
 constexpr Range radius_range{0, 1e6, "m"};
 
-/// Constraints act at a substep's end, when drag has reduced the effect of forces in the substep. A
-/// force through the whole substep with the effect of such an impulse has a larger impulse, by this
-/// factor.
-double as_force(const Cloth& cloth, double h) { return h / Drag(cloth.damping, h).distance; }
-
 /// By holder: the mass of the cloth [kg], of several of those that it holds.
 Scalars held_masses(const std::vector<Hold>& holds, std::size_t holders,
                     const std::vector<ClothPart>& parts, const Cloth& cloth) {
@@ -96,18 +91,20 @@ std::vector<Vector3> Simulator::Impl::hold_targets() const {
 }
 
 void Simulator::Impl::update_holders(double h) {
-  const double scale = as_force(cloth, h);
-  attachments.end_step(scale, state.velocities);
+  const Scalars as_forces = impulses_as_forces(cloth, h);
+  attachments.end_step(as_forces, state.velocities);
   if (holders.any_sticks()) {
     if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
       solver->add_reactions(cloth, h, impulses);  // of the springs as far as it solved them
     } else {
       holders.add_spring_impulses(cloth, h, state, impulses);
     }
-    if (strain_limit) strain_limit->add_impulses(scale, impulses);
-    if (self_contacts) self_contacts->add_impulses(scale, impulses);
+    Points at_end = Points::Zero(cloth.num_points(), 3);
+    if (strain_limit) strain_limit->add_impulses(at_end);
+    if (self_contacts) self_contacts->add_impulses(at_end);
+    impulses.array() += at_end.array().colwise() * as_forces.array();
   }
-  if (holders.update_slipping(cloth, h, scale, scene.simulation.gravity, impulses, state))
+  if (holders.update_slipping(cloth, h, as_forces, scene.simulation.gravity, impulses, state))
     follow_holders();
 }
 
@@ -121,8 +118,8 @@ void Simulator::Impl::finish_grips(double dt, const State& before) {
 }
 
 void Simulator::Impl::add_collider_impulses(double h) {
-  collider_contacts.add_impulses(colliders, cloth, as_force(cloth, h), state.positions,
-                                 collider_impulses);
+  const Scalars masses = cloth.mass.cwiseProduct(impulses_as_forces(cloth, h));
+  collider_contacts.add_impulses(colliders, masses, state.positions, collider_impulses);
 }
 
 void Simulator::Impl::finish_colliders(double dt) {

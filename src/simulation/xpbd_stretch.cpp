@@ -30,7 +30,7 @@ constexpr StretchLaw draped_grid{0.15, 0.5};
 std::optional<std::string> xpbd_stretch_text(const SimulationSpec& spec, const Cloth& cloth,
                                              bool over_colliders, int substeps) {
   const bool is_free = (cloth.inv_mass.array() > 0).all();
-  if (cloth.strain_limit || (!cloth.is_mesh() && (!is_free || !over_colliders))) return {};
+  if (cloth.is_limited() || (!cloth.is_mesh() && (!is_free || !over_colliders))) return {};
   const StretchLaw law = cloth.is_mesh() ? hanging_mesh : draped_grid;
   const double h = 1 / (spec.frames_per_second * substeps);
   const double falls =

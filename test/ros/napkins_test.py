@@ -54,11 +54,18 @@ class NapkinsTest(unittest.TestCase):
             changes.wait("set_parameters of " + " and ".join(names),
                          lambda m: m.what == "set_parameters" and cloths_of(m) == list(names))
 
-        density, thickness = shown("density"), shown("thickness")
+        density, thickness, damping = shown("density"), shown("thickness"), shown("damping")
         upper.update_configuration({"density": 0.5, "friction": 0.7, "bending": False})
         expect("density", density[:2] + [0.5])
         expect_change("upper")
         expect("bending", [True, True, False])
+        upper.update_configuration({"damping": 2.0, "drag_across": 1.5, "strain_limit_enabled": True,
+                                    "strain_limit": 0.05})
+        expect("damping", damping[:2] + [2.0])
+        expect("drag_across", [1.17, 1.17, 1.5])
+        expect("strain_limit_enabled", [False, False, True])
+        self.assertEqual(upper.get_configuration()["strain_limit"], 0.05)
+        self.assertEqual(upper.update_configuration({"strain_limit": -1})["strain_limit"], 0.05)
         lower.update_configuration({"density": 0.6, "thickness": 4e-4})
         expect("density", [0.6, 0.6, 0.5])
         node.update_configuration({"gravity_z": -9.7})
@@ -72,6 +79,8 @@ class NapkinsTest(unittest.TestCase):
         expect("density", density)
         expect("thickness", thickness)
         expect("bending", [True] * 3)
+        expect("damping", damping)
+        expect("strain_limit_enabled", [False] * 3)
         expect_change("lower", "upper")
         self.assertNotIn("cloth/", call("/clothsim/reset_values", Trigger).message)
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/model/join_cloths.h"
@@ -90,6 +91,120 @@ TEST(Cloths, AClothThatTouchesNothingMovesAsAlone) {
     EXPECT_EQ(part_of(of_both, 0), one);
     EXPECT_EQ(of_both.holders().at(0).force, of_one.holders().at(0).force);
     EXPECT_GT(of_one.holders().at(0).force, 0);
+  }
+}
+
+/// Two sheets that hang by a corner each in a wind, far apart, with their own drag and damping.
+YAML::Node in_the_wind(const std::string& simulation) {
+  YAML::Node root = stack(1.0);
+  root.remove("colliders");
+  root["simulation"] = YAML::Load(simulation);
+  root["simulation"]["wind"] = std::vector<double>{2, 1, 0};
+  for (int i = 0; i < 2; ++i) root["cloths"][i]["pinned"] = YAML::Load("[[0, 0]]");
+  root["cloths"][0]["damping"] = 4;
+  root["cloths"][0]["drag"] = std::vector<double>{2, 0.5};
+  root["cloths"][1]["damping"] = 0.2;
+  return root;
+}
+
+TEST(Cloths, HaveTheirOwnDragAndDampingWithAllMethods) {
+  // Solvers share tolerances, and Verlet's displacements have one factor for all cloths: their
+  // difference is g h^3 / 12 times that of the dampings a substep.
+  for (const char* simulation :
+       {"{method: verlet, substeps: 60}", "{method: symplectic_euler, substeps: 60}",
+        "{method: rk4, substeps: 60}", "{method: xpbd, substeps: 8}",
+        "{method: implicit_euler, substeps: 4, method_parameters: {tolerance: 1.0e-9}}",
+        "{method: bdf2, substeps: 4, method_parameters: {tolerance: 1.0e-9}}"}) {
+    const YAML::Node both = in_the_wind(simulation);
+    Simulator of_both(read_scene(both));
+    std::vector<Simulator> alone;
+    for (int i = 0; i < 2; ++i) {
+      YAML::Node root = YAML::Clone(both);
+      root["cloths"].remove(1 - i);
+      alone.emplace_back(read_scene(root));
+    }
+    for (int frame = 0; frame < 20; ++frame) {
+      of_both.step();
+      for (Simulator& one : alone) one.step();
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Points& one = alone[i].state().positions;
+      EXPECT_LT((part_of(of_both, i) - one).cwiseAbs().maxCoeff(), 2e-6) << simulation << i;
+      EXPECT_LT(one.col(2).minCoeff(), -0.1) << "it has swung";
+      EXPECT_NEAR(of_both.holders().at(i).force, alone[i].holders().at(0).force,
+                  1e-3 * alone[i].holders().at(0).force);
+    }
+  }
+}
+
+TEST(Cloths, HaveTheirOwnStrainLimits) {
+  // Three soft sheets that hang by two corners: limits of 3 and 20 percent, and none.
+  YAML::Node root = stack(1.0);
+  root["simulation"] = YAML::Load("{method: verlet, substeps: 40}");
+  root["cloths"].push_back(YAML::Clone(root["cloths"][1]));
+  root["cloths"][2]["name"] = "third";
+  root["cloths"][2]["origin"] = std::vector<double>{2, 0, 0.5};
+  for (int i = 0; i < 3; ++i) {
+    root["cloths"][i]["stretch_stiffness"] = std::vector<double>{2, 2};
+    root["cloths"][i]["shear_stiffness"] = 1;
+    root["cloths"][i]["damping"] = 5 - i;
+    root["cloths"][i]["pinned"] = YAML::Load("[[0, 0], [10, 0]]");
+    root["cloths"][i]["origin"] = std::vector<double>{1.0 * i, 0, 0.5};
+  }
+  root["cloths"][0]["strain_limit"] = 0.03;
+  root["cloths"][1]["strain_limit"] = 0.2;
+  Simulator simulator(read_scene(root));
+  const auto stretch_of = [&](int i) {
+    double worst = 0;
+    for_each_spring(simulator.cloth(), [&](const SpringRun& run, int a, int b) {
+      if (simulator.cloth().cloth_of(a) != static_cast<std::size_t>(i)) return;
+      const Points& x = simulator.state().positions;
+      worst = std::max(worst, (x.row(b) - x.row(a)).norm() / run.rest_length - 1);
+    });
+    return worst;
+  };
+  StepReport report;
+  for (int frame = 0; frame < 120; ++frame) report = simulator.step();
+  EXPECT_LT(stretch_of(0), 0.035);
+  EXPECT_GT(stretch_of(0), 0.029);
+  EXPECT_LT(stretch_of(1), 0.205);
+  EXPECT_GT(stretch_of(1), 0.19);
+  EXPECT_GT(stretch_of(2), 0.3);
+  EXPECT_LT(report.violation, 0.005);
+  EXPECT_EQ(report.worst_stretch, stretch_of(2));
+  EXPECT_FALSE(report.reasons.has(Reason::passes_unconverged));
+
+  // Limits that change: the first loses its own, the third gets one.
+  LiveSpec live = live_values(simulator.scene());
+  live.cloths[0].material.strain_limit.reset();
+  live.cloths[2].material.strain_limit = 0.1;
+  simulator.set(live);
+  for (int frame = 0; frame < 240; ++frame) report = simulator.step();
+  EXPECT_GT(stretch_of(0), 0.3);
+  EXPECT_LT(stretch_of(1), 0.205);
+  EXPECT_LT(stretch_of(2), 0.105);
+  EXPECT_LT(report.violation, 0.005);
+}
+
+TEST(Cloths, OnEachOtherPressOnTheFloorWithTheirWeight) {
+  // To half of the difference of their dampings times a substep: see docs/limits.md.
+  for (const char* simulation : {"{method: verlet}", "{method: xpbd, substeps: 8}"}) {
+    YAML::Node root = stack(0.01);
+    root["simulation"] = YAML::Load(simulation);
+    root["cloths"][0]["damping"] = 30;
+    root["cloths"][1]["damping"] = 2;
+    Simulator simulator(read_scene(root));
+    for (int frame = 0; frame < 120; ++frame) simulator.step();
+    simulator.measure_wrenches(true);
+    double force = 0;
+    int substeps = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+      substeps = simulator.step().substeps;
+      force += simulator.collider_wrenches()[0].force.z() / 30;
+    }
+    const double differs = (30 - 2) / (60.0 * substeps) / 2;
+    EXPECT_NEAR(force / (9.8 * simulator.cloth().mass.sum()), -1, differs) << simulation;
+    EXPECT_LT(rms_velocity(simulator.state()), 1e-3);
   }
 }
 

@@ -35,13 +35,14 @@ TEST(Air, EqualsThePlainLoop) {
     ClothSpec spec = square_spec(2);
     spec.columns = columns;
     spec.rows = rows;
-    const Cloth cloth = make_grid(spec);
+    Cloth cloth = make_grid(spec);
+    cloth.drag = {1.3, 0.4};
     State state{shaken(cloth, 0.1, 1), random_points(cloth.num_points(), 2, 2), 0};
     const Vector3 wind(3, -2, 1);
-    const Points expected = plain_forces(cloth, {1.3, 0.4}, wind, state);
+    const Points expected = plain_forces(cloth, cloth.drag, wind, state);
     AirForces air;
     for (const int threads : {1, 2}) {
-      const Points forces = air.compute(cloth, {1.3, 0.4}, wind, state, Workers(threads));
+      const Points forces = air.compute(cloth, wind, state, Workers(threads));
       EXPECT_LE(farthest(forces, expected), 1e-13 * (1 + expected.cwiseAbs().maxCoeff()));
     }
   }
@@ -49,12 +50,12 @@ TEST(Air, EqualsThePlainLoop) {
 
 TEST(Air, OnASquarePlateIsTheForceOfItsCoefficients) {
   // 1 m^2 in the plane z = 1, at rest: density / 2 c |w| w across and along.
-  const Cloth cloth = make_grid(square_spec(11));
+  Cloth cloth = make_grid(square_spec(11));
   const State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
-  const std::array<double, 2> drag{1.17, 0.02};
+  cloth.drag = {1.17, 0.02};
   AirForces air;
   const auto total = [&](const Vector3& wind) {
-    return Vector3(air.compute(cloth, drag, wind, state).colwise().sum().transpose());
+    return Vector3(air.compute(cloth, wind, state).colwise().sum().transpose());
   };
   EXPECT_NEAR(total({0, 0, 5}).z(), 0.6 * 1.17 * 25, 1e-12);
   EXPECT_NEAR(total({0, 0, -5}).z(), -0.6 * 1.17 * 25, 1e-12);
@@ -66,13 +67,14 @@ TEST(Air, OnASquarePlateIsTheForceOfItsCoefficients) {
 }
 
 TEST(Air, IsNoneOnWhatMovesWithItAndOnWhatHasNoArea) {
-  const Cloth cloth = make_grid(square_spec(6));
+  Cloth cloth = make_grid(square_spec(6));
+  cloth.drag = {1, 1};
   AirForces air;
   State state{cloth.rest_positions, Points::Zero(cloth.num_points(), 3), 0};
   state.velocities.rowwise() += Eigen::RowVector3d(1, 2, 3);
-  EXPECT_LT(air.compute(cloth, {1, 1}, {1, 2, 3}, state).norm(), 1e-12);
+  EXPECT_LT(air.compute(cloth, {1, 2, 3}, state).norm(), 1e-12);
   state.positions.setConstant(0.5);
-  const Points forces = air.compute(cloth, {1, 1}, {5, 5, 5}, state);
+  const Points forces = air.compute(cloth, {5, 5, 5}, state);
   EXPECT_TRUE(forces.allFinite());
   EXPECT_LT(forces.norm(), 1e-12);
 }

@@ -67,7 +67,7 @@ TEST(Cloths, MistakesSayWhere) {
   EXPECT_TRUE(says(refusal(single + "cloths: []"), "cloths ... again"));
   EXPECT_TRUE(says(refusal("cloths: []"), "cloths ... empty"));
   EXPECT_TRUE(says(refusal("cloths: {}"), "cloths ... a list"));
-  EXPECT_TRUE(says(refusal(scene_with(", damping: 0.3")), "cloths.1.damping ... 0.3 ... one"));
+  EXPECT_TRUE(says(refusal(scene_with(", untangle: true")), "cloths.1.untangle ... true ... one"));
   EXPECT_TRUE(says(refusal(scene_with(", thickness: -0.3")), "cloths.1.thickness: got -0.3"));
   EXPECT_TRUE(says(refusal(scene_with(", nme: x")), "cloths.1.nme ... unknown"));
   EXPECT_TRUE(says(refusal(scene_with(", pinned: [[5, 5]]")), "cloths.1.pinned.0 ... [5, 5]"));
@@ -162,8 +162,10 @@ TEST(Cloths, AWrongLiveValueOfOneIsRefusedByItsName) {
                    "motions.0.set.cloths.other.friction ... -1"));
   EXPECT_TRUE(
       says(change("{cloths: {one: {density: 0}}}"), "motions.0.set.cloths.one.density ... 0"));
-  EXPECT_TRUE(says(change("{cloths: {other: {damping: 2}}}"),
-                   "motions.0.set.cloths.other.damping ... unknown key ... density"));
+  EXPECT_TRUE(says(change("{cloths: {other: {damping: -2}}}"),
+                   "motions.0.set.cloths.other.damping ... -2"));
+  EXPECT_TRUE(says(change("{cloths: {other: {untangle: true}}}"),
+                   "motions.0.set.cloths.other.untangle ... unknown key ... density"));
   EXPECT_TRUE(says(change("{cloths: {nobody: {}}}"), "motions.0.set.cloths.nobody ... one, other"));
   EXPECT_TRUE(says(change("{cloths: 3}"), "motions.0.set.cloths ... 3 ... a map"));
   EXPECT_TRUE(says(change("{friction: -1}"), "motions.0.set.friction ... -1"));

@@ -275,7 +275,7 @@ TEST(SurfaceContacts, NoPushGrowsBeyondTheWeightOfTheClothWhereNothingCanYield) 
     contacts.solve_pass(0, state.velocities);
   }
   Points impulses = Points::Zero(cloth.num_points(), 3);
-  contacts.add_impulses(1, impulses);
+  contacts.add_impulses(impulses);
   const double up = impulses.col(2).cwiseMax(0).sum();
   const double mass = cloth.mass.sum();
   EXPECT_GT(up, 9.81 * mass * h);
@@ -333,7 +333,7 @@ TEST(SurfaceContacts, NextToWhatCollidersHoldALastImpulseIsNoStrongerThanOneMayB
   EXPECT_LT(p.state.velocities.norm(), 0.1 * given);
   EXPECT_GT(p.state.velocities.norm(), 0);
   Points impulses = Points::Zero(p.cloth.num_points(), 3);
-  p.contacts.add_impulses(1, impulses);
+  p.contacts.add_impulses(impulses);
   const Points moves = impulses.array().colwise() * p.cloth.inv_mass.array();
   EXPECT_LT((moves - p.state.velocities).norm(), 1e-12) << "velocities are what impulses gave";
 }

@@ -49,8 +49,8 @@ class BodyAttachments {
   /// Whether corrections of positions leave the points where they are: their inverse masses are 0,
   /// else as in a step.
   void fix(bool fixed, Cloth&) const;
-  /// Adds the impulses of a step to the sums. `scale`: as in Holders::update_slipping().
-  void end_step(double scale, const Points& velocities);
+  /// Adds the impulses of a step to the sums. `as_forces`: see impulses_as_forces().
+  void end_step(const Scalars& as_forces, const Points& velocities);
 
   /// Impulse of the cloth on the body through the attachment `number` in the frame [N s].
   const Vector3& frame_impulse(std::size_t number) const { return rows_[number].frame_impulse; }

@@ -80,11 +80,12 @@ class ColliderContacts {
   void project_again(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                      Points& positions);
 
-  /// Adds the impulses of the cloth, at `positions`, on each collider in the step, times `scale`:
-  /// impulse [N s] and its moment about the origin of the collider's frame [N m s], in the world.
+  /// Adds the impulses of the cloth, at `positions`, on each collider in the step: impulse
+  /// [N s] and its moment about the origin of the collider's frame [N m s], in the world. `masses`:
+  /// impulse by change of velocity, by point [kg].
   /// All changes of velocities count, also those of recovery; displacements by project_positions()
   /// do not.
-  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+  void add_impulses(const std::vector<MovingCollider>&, const Scalars& masses,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
   /// Adds the changes of velocities by the contacts of points and faces, and by pinches, in the

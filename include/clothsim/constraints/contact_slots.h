@@ -155,9 +155,9 @@ class ContactSlots {
   ContactImpulse contact(int point, double friction) const;
   Vector3 normal(int point) const { return at(point / block).normal.get(point % block); }
 
-  /// Adds the impulses of the points, at `positions`, on the collider in the step, times `scale`:
-  /// impulse [N s] and its moment about `origin` [N m s].
-  void add_impulses(const Cloth&, double scale, const Vector3& origin, const Points& positions,
+  /// Adds the impulses of the points, at `positions`, on the collider in the step: impulse [N s]
+  /// and its moment about `origin` [N m s]. `masses`: impulse by change of velocity, by point [kg].
+  void add_impulses(const Scalars& masses, const Vector3& origin, const Points& positions,
                     Wrench& sum) const;
 
   /// Contacts that carry an impulse.

@@ -101,7 +101,7 @@ class FaceContacts {
   }
 
   /// As ContactSlots::add_impulses(), to the sum of each collider, about the origin of its frame.
-  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+  void add_impulses(const std::vector<MovingCollider>&, const Scalars& masses,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
   std::size_t size() const { return places_.size(); }  // of this step

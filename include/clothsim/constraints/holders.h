@@ -72,10 +72,9 @@ class Holders {
   double solve_pass(Points& velocities);
 
   /// After a substep of h [s]: lets points slip, or stick again. Returns whether any did.
-  /// `impulses`: of the cloth on each point that sticks [N s], N x 3. `scale`: h / (h shortened by
-  /// drag). A force through the whole substep loses a part to drag, an impulse of solve_pass() acts
-  /// after it: for the same effect the impulse of the force is larger by this factor.
-  bool update_slipping(const Cloth&, double h, double scale, const Vector3& gravity,
+  /// `impulses`: of the cloth on each point that sticks [N s], N x 3. `as_forces`: see
+  /// impulses_as_forces().
+  bool update_slipping(const Cloth&, double h, const Scalars& as_forces, const Vector3& gravity,
                        const Points& impulses, State&);
 
   /// Adds the impulses [N s] of springs and bends in a substep of h [s] to the rows of points that
@@ -120,6 +119,7 @@ class Holders {
     bool slips = false;
     bool is_pressed = false;   // against a collider
     double max_force = 0;      // largest force of the holder on it [N]
+    double time = 0;           // h shortened by drag [s]: impulse at a substep's end / force
     double begun = 0;          // time in the frame when it was at `start` [s]
     Vector3 impulse{0, 0, 0};  // on the point in the last substep [N s]
     Vector3 want{0, 0, 0};     // wanted velocity towards the target [m/s]
@@ -173,7 +173,6 @@ class Holders {
   std::size_t slipping_ = 0;
   double stick_distance_ = 0;  // [m]
   double h_ = 0;               // of the last substep with slipping points [s]
-  double time_ = 0;            // h shortened by drag [s]: impulse at a substep's end / force
   double dt_ = 1;              // of the frame [s]
   double elapsed_ = 0;         // of the frame, with the current substep [s]
 };

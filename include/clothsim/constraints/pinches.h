@@ -81,7 +81,7 @@ class Pinches {
   /// As FaceContacts::add_impulses(). Across both colliders the one that pushed gets the impulse;
   /// along them each gets its share. The impulse with which both press against each other through
   /// the point is in no sum: it is indeterminate.
-  void add_impulses(const std::vector<MovingCollider>&, const Cloth&, double scale,
+  void add_impulses(const std::vector<MovingCollider>&, const Scalars& masses,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
   bool holds(int point) const {

@@ -44,8 +44,8 @@ class SelfContacts {
   /// Adds the changes of velocities by the impulses [m/s].
   void add_velocities(Points& sum) const { contacts_.add_velocities(sum); }
 
-  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
-  void add_impulses(double scale, Points& sum) const;
+  /// Adds the impulses [N s] of the last step to those of their points, N x 3.
+  void add_impulses(Points& sum) const;
 
   /// Calls visit(touch) for each contact of the last step.
   void for_each_touch(const std::function<void(const SelfTouch&)>& visit) const;

@@ -22,7 +22,8 @@ namespace clothsim {
 /// rounding, and with a smaller target springs that hold others up would go slack.
 inline constexpr double tolerance_per_residual = 20;
 
-/// Keeps every spring within (1 + limit) times its rest length (Provot 1995).
+/// Keeps every spring within (1 + limit) times its rest length (Provot 1995), of several cloths
+/// each within its own limit.
 ///
 /// A spring at its limit may not lengthen: impulses p >= 0 along the springs, weighted by inverse
 /// mass, take its rate of elongation out of the velocities, and points follow (Moreau's time
@@ -105,8 +106,9 @@ class StrainLimit {
   int project_positions(const Cloth& cloth, double tolerance, int max_passes, Points& positions,
                         const Workers& = {});
 
-  /// Does project_positions() skip a spring of this stretch, since it would throw its ends?
-  bool is_beyond_repair(double stretch) const;
+  /// Does project_positions() skip a spring that is this stretch beyond its limit, since it would
+  /// throw its ends?
+  bool is_beyond_repair(double violation) const;
 
   /// Have impulses reached the strength of the limit in the last step?
   bool yields() const { return yields_; }
@@ -117,12 +119,12 @@ class StrainLimit {
   /// Was no spring at its limit in the last step?
   bool is_idle() const { return num_active_ == 0; }
 
-  /// Adds the impulses [N s] of the last step, times `scale`, to those of their points, N x 3.
-  void add_impulses(double scale, Points& sum) const;
+  /// Adds the impulses [N s] of the last step to those of their points, N x 3.
+  void add_impulses(Points& sum) const;
 
-  /// Adds the impulses' magnitudes [N s], times `scale`, to `sum`, one number per spring of the
-  /// cloth.
-  void add_impulse_magnitudes(double scale, std::vector<double>& sum) const;
+  /// Adds the impulses' magnitudes [N s] times scale(point) to `sum`, one number per spring of the
+  /// cloth. `scale`: by point, N.
+  void add_impulse_magnitudes(const Scalars& scale, std::vector<double>& sum) const;
 
   /// Excludes springs with both ends at one holder from the limit: the holder keeps their length,
   /// whether the ends stick or slip. `holder_of_point`: a number for each point, -1 for a free one.
@@ -154,6 +156,7 @@ class StrainLimit {
     int offset;
     int direction;
     double rest_length;    // [m]
+    double longest;        // by rest length, 1 + limit; infinity without limit
     std::uint64_t second;  // bits of those of the direction's second colour
   };
 
@@ -161,6 +164,7 @@ class StrainLimit {
     int a;
     int b;
     double rest_length;  // [m]
+    double longest;      // by rest length
     int colour;
   };
 
@@ -168,13 +172,13 @@ class StrainLimit {
     const Piece& piece = pieces_[index(id / Piece::length)];
     const int place = id % Piece::length, a = piece.first + place;
     const auto colour = static_cast<int>(piece.second >> place & 1);
-    return {a, a + piece.offset, piece.rest_length, 2 * piece.direction + colour};
+    return {a, a + piece.offset, piece.rest_length, piece.longest, 2 * piece.direction + colour};
   }
   bool is_limited(int id) const {
     return (limited_[index(id / Piece::length)] >> id % Piece::length & 1) != 0;
   }
   void flag(int id) { flags_[index(id / Piece::length)] |= std::uint64_t{1} << id % Piece::length; }
-  void flag_longer_than(double stretch, const Points& positions, const Workers&);
+  void flag_beyond_limit_by(double stretch, const Points& positions, const Workers&);
   /// Calls visit(id) for springs of a piece whose `bits` are set.
   template <typename Visitor>
   static void for_each_bit(std::size_t piece, std::uint64_t bits, Visitor&& visit) {
@@ -194,6 +198,10 @@ class StrainLimit {
   double slack(const Cloth&, const State&) const;
   bool find_active(const Points& positions, const Workers&);
   void clear_active();
+  /// Of entry `i` of ids_.
+  void end_impulse(std::size_t i) {
+    active_[i / FourSprings::count].velocity_impulse[i % FourSprings::count] = 0;
+  }
   void list_active();
   void list(int id, const Piece& piece, std::size_t& next);
   void close_colour();
@@ -218,7 +226,8 @@ class StrainLimit {
   bool find_over_again(const Cloth&, double tolerance, const Points& positions);
   void list_springs_of_points(const Cloth&);
 
-  double longest_;                   // 1 + limit
+  double least_limit_ = infinity;    // of the springs that have one
+  double most_limit_ = 0;            // the same
   double shortest_;                  // rest length [m]
   LimitStep step_{};                 // of the impulses
   double momentum_ = 1;              // strength at the end of solve()

@@ -29,11 +29,11 @@ Vector3 wind_at(const Vector3& mean, const Gusts&, double time);
 ///   density / 2 (c_n |w_n| w_n + c_t |w_t| w_t) A,  w_n = (w . N) N / A^2,  w_t = w - w_n,
 /// a third on each of its corners. The terms are the pressure across and the friction along a
 /// sheet; lift is the part of the first across the wind. Wejchert & Haumann 1991, "Animation
-/// aerodynamics". A triangle without area has no force. `drag`: c_n, c_t.
+/// aerodynamics". A triangle without area has no force. The
+/// cloth's drag is c_n, c_t.
 class AirForces {
  public:
-  const Points& compute(const Cloth&, const std::array<double, 2>& drag, const Vector3& wind,
-                        const State&, const Workers& = {});
+  const Points& compute(const Cloth&, const Vector3& wind, const State&, const Workers& = {});
 
  private:
   Points lower_;   // on each corner of a cell's first triangle, by the cell's first point [N]
@@ -41,8 +41,8 @@ class AirForces {
   Points forces_;  // [N], N x 3
 };
 
-/// Largest rate [1/s] at which air reduces the relative velocity of a cloth at `speed` [m/s]: the
-/// derivative of its drag.
-double air_rate(const Cloth&, const std::array<double, 2>& drag, double speed);
+/// Largest rate of any of several cloths [1/s] at which air reduces the relative velocity of a
+/// cloth at `speed` [m/s]: the derivative of its drag.
+double air_rate(const Cloth&, double speed);
 
 }  // namespace clothsim

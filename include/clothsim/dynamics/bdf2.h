@@ -53,6 +53,8 @@ class Bdf2 {
   /// Largest component of free points' velocities before the last step and displacements per h in
   /// it [m/s].
   double max_speed_in_history(const Cloth&) const;
+  /// Whether a point is where the last step left it.
+  bool has_history(int i, const State& now) const;
 
   NewtonSolver solver_;
   ClothWatch watch_;

@@ -22,6 +22,7 @@ class ClothWatch {
  private:
   double h_ = 0;
   double damping_ = 0;
+  std::vector<double> dampings_;
   Scalars mass_;
   Scalars inv_mass_;
   std::vector<SpringRun> springs_;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/model/cloth.h"
@@ -27,6 +29,29 @@ struct Drag {
     return t * t * (1 - u / 3 * (1 - u / 4 * (1 - u / 5 * (1 - u / 6)))) / 2;
   }
 };
+
+/// Calls visit(begin, end, damping) for the parts of points [begin, end) that are of one cloth
+/// each.
+template <typename Visit>
+void for_each_damping(const Cloth& cloth, int begin, int end, const Visit& visit) {
+  if (cloth.dampings.empty()) return visit(begin, end, cloth.damping);
+  for (std::size_t k = cloth.cloth_of(begin); begin < end; ++k) {
+    const bool is_last = k + 1 == cloth.first_points.size();
+    const int next = is_last ? end : std::min(end, cloth.first_points[k + 1]);
+    visit(begin, next, cloth.dampings[k]);
+    begin = next;
+  }
+}
+
+/// By point: a constraint's impulse acts at a substep's end, when drag has reduced the effect of
+/// forces in its h [s]. A force through the whole substep with the effect of such an impulse has an
+/// impulse that is larger by this factor.
+Scalars impulses_as_forces(const Cloth&, double h);
+
+/// Displacement of a point in a step of h [s] by an acceleration through free_step() [s^2].
+inline double free_step_time2(const Cloth& cloth, int point, double h) {
+  return h * Drag(cloth.damping_at(point), h).distance;
+}
 
 /// Where loads act alone, adds to positions the difference of an exact fall with drag in a step of
 /// h [s] to h v, with v the velocity at the step's end: with h v alone a cloth falls g h t / 2 too

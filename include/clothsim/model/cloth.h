@@ -110,19 +110,31 @@ struct Cloth {
   Scalars mass;                                           // [kg], N
   Scalars inv_mass;                                       // [1/kg], N; zero at pins
   std::vector<int> pinned;                                // point ids, ascending
-  double damping = 0;                                     // [1/s]
+  double damping = 0;                                     // [1/s] of several cloths the least
+  std::vector<double> dampings;                           // the same by cloth; empty: `damping`
+  std::array<double, 2> drag{};              // across and along the surface: see AirForces
+  std::vector<std::array<double, 2>> drags;  // the same by cloth; empty: `drag`
   std::array<double, 2> internal_damping{};  // [s] of springs and of bends, see Fabric; of several
                                              // cloths the largest: see internal_damping_at()
-  std::optional<double> strain_limit;
+  std::optional<double> strain_limit;        // of several cloths the largest
+  std::vector<std::optional<double>> strain_limits;   // the same by cloth; empty: `strain_limit`
   SelfCollision self_collision = SelfCollision::off;  // never automatic
   double friction = 0;                                // between layers
   Scalars frictions;                                  // the same by point, N; empty: `friction`
-  double thickness = 0;            // [m] of several cloths the largest, for bounds
-  Scalars thicknesses;             // the same by point [m], N; empty: `thickness`
+  double thickness = 0;  // [m] of several cloths the largest, for bounds
+  Scalars thicknesses;   // the same by point [m], N; empty: `thickness`
   double offset = surface_offset;  // from colliders [m]; of several cloths the largest
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
+  /// Number of the cloth that has a point.
+  std::size_t cloth_of(int point) const;
+  double damping_at(int i) const { return dampings.empty() ? damping : dampings[cloth_of(i)]; }
+  /// Whether springs of all cloths have a limit.
+  bool is_limited() const;
+  std::optional<double> strain_limit_at(int i) const {
+    return strain_limits.empty() ? strain_limit : strain_limits[cloth_of(i)];
+  }
   double friction_at(int i) const { return frictions.size() > 0 ? frictions[i] : friction; }
   /// Coefficient between layers with these points: the geometric mean of both.
   double friction_between(int i, int j) const;

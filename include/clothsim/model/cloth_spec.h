@@ -70,8 +70,7 @@ enum class SelfCollision { off, points, surface, automatic };
 inline constexpr std::array<const char*, 4> self_collision_names = {"off", "points", "surface",
                                                                     "automatic"};
 
-/// One of several cloths that are simulated as one: its points and triangles in their mesh. The
-/// damping, drag and strain limit of its material are those of all.
+/// One of several cloths that are simulated as one: its points and triangles in their mesh.
 struct ClothPart {
   std::string name;
   int first_point = 0;

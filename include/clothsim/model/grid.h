@@ -14,7 +14,7 @@ namespace clothsim {
 /// automatic self collision. Throws InvalidValue.
 Cloth make_grid(const ClothSpec& spec, double gravity = 9.8);
 
-/// Sets damping, strain limit, contact and pins of `spec`, for a cloth of any shape.
+/// Sets damping, drag, strain limit, contact and pins of `spec`, for a cloth of any shape.
 void set_common(const ClothSpec& spec, Cloth& cloth);
 
 /// Largest initial offset of a vertical cloth's points from its plane [m]: 1 mm, or a twentieth of

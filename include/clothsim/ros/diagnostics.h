@@ -23,7 +23,7 @@ struct NodeStatus {
   TimeShares::Shares time;
   clothsim::StepReport report;  // of the last frame
   std::vector<clothsim::HolderReport> holders;
-  std::optional<double> strain_limit;     // empty: off
+  bool is_limited = false;                // whether a cloth has a strain limit
   std::optional<int> intersecting_pairs;  // of triangles; empty: no self collision requested
   std::vector<FrameStatus> frames;
   std::vector<CameraStatus> cameras;

@@ -21,9 +21,6 @@ std::vector<Field> fabric_fields(Fabric&);
 /// The keys of a material that may change during the simulation.
 std::vector<Field> live_fields(Material&);
 
-/// Those of them that each of several cloths may have of its own.
-std::vector<Field> own_live_fields(Material&);
-
 /// Whether the map of a cloth in a scene names a fabric, or one of its values.
 bool names_fabric(const YAML::Node& cloth);
 

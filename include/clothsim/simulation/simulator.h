@@ -35,6 +35,7 @@ struct StepReport {
   int sweeps = 0;            // passes over strain limit and contacts, summed over the substeps
   int corrections = 0;       // passes that projected springs still over the limit, summed as well
   double worst_stretch = 0;  // largest l / L0 - 1 over the springs, at the frame's end
+  double violation = 0;      // largest of these beyond the strain limit of its cloth
   int contacts = 0;          // points on colliders plus self contacts, last substep
   double added_mass = 0;     // largest inertia added for tension in a substep / cloth's mass
   int ran_out = 0;           // substeps in which the method stopped before its tolerance
