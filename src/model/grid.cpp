@@ -128,7 +128,8 @@ void set_common(const ClothSpec& spec, Cloth& cloth) {
   cloth.drag = spec.material.drag;
   cloth.strain_limit = spec.material.strain_limit;
   cloth.thickness = spec.thickness;
-  if (spec.material.fabric) cloth.offset = std::max(surface_offset, spec.thickness);
+  if (spec.material.fabric) cloth.full_offset = std::max(surface_offset, spec.thickness);
+  cloth.offset = cloth.full_offset;
   cloth.friction = spec.friction;
   // A pin is a point of infinite mass.
   for (const Pin& pin : spec.pinned) {

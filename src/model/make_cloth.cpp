@@ -42,7 +42,7 @@ void set_by_cloth(const std::vector<ClothPart>& parts, Cloth& cloth) {
     cloth.thicknesses.segment(part.first_point, part.num_points()).setConstant(part.thickness);
   }
   cloth.thickness = cloth.thicknesses.maxCoeff();
-  cloth.offset = std::max(surface_offset, cloth.thickness);
+  cloth.offset = cloth.full_offset = std::max(surface_offset, cloth.thickness);
 }
 
 }  // namespace

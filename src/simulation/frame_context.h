@@ -33,6 +33,7 @@ struct FrameContext {
   double stretch = 0;                   // worst at the frame's start, where colliders need it
   Vector3 wind{0, 0, 0};                // [m/s], where there is air
   double external_acceleration = 0;     // largest by external forces [m/s^2]
+  bool lifts = false;                   // the offset from colliders grows
   bool recovers = false;                // colliders have pushed out points
   bool projection_unconverged = false;  // some springs stayed over their limit
   bool yields = false;                  // the strain limit yielded in a substep

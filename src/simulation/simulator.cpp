@@ -45,6 +45,7 @@ StepReport Simulator::Impl::step() {
   const State last_good = state;
   frame_context = {dt};
   if (!touches()) collider_contacts.reset();  // colliders may have been disabled
+  if (!knows_offset) begin_offset();
   allow_work(dt);
   StepReport report = step_with_retries(last_good);
 
@@ -72,6 +73,7 @@ StepReport Simulator::Impl::step_with_retries(const State& last_good) {
   const RigidBodies last_bodies = bodies;
   const std::vector<ColliderExit> last_exits = collider_contacts.exits();
   const bool was_disturbed = disturbed;
+  const double last_offset = cloth.offset;
   const auto take_back = [&] {
     state = last_good;
     colliders = last_colliders;
@@ -79,6 +81,7 @@ StepReport Simulator::Impl::step_with_retries(const State& last_good) {
     bodies = last_bodies;
     follow_holders();
     disturbed = was_disturbed;
+    cloth.offset = last_offset;
     forget_constraints();
     collider_contacts.set_exits(last_exits);
     energy_watch.restart();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/constraints/least_distance.h"
 #include "clothsim/dynamics/spectrum.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/stretch.h"
@@ -14,6 +15,10 @@ namespace clothsim {
 namespace {
 
 const std::vector<MovingCollider> no_colliders;
+
+/// Speed at which a fabric that starts nearer to a collider than its thickness is lifted [m/s]. At
+/// once, the points on top of a round shape would stretch their springs and be thrown.
+constexpr double growth_of_offset = 0.1;
 
 /// Are all `count` numbers smaller than `farthest`? False for NaN.
 CLOTHSIM_TARGET_CLONES
@@ -61,6 +66,7 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
     frame_context.stretch = worst_stretch(cloth, state.positions);
   }
 
+  frame_context.lifts = cloth.offset < cloth.full_offset;
   begin_frame();
   if (!take_substeps(steps, before, report) || !is_good(state) || !has_good_bodies()) {
     return Outcome::failed;
@@ -73,6 +79,13 @@ Outcome Simulator::Impl::frame(bool may_be_apart, const State& before, StepRepor
   report.violation = worst_violation(cloth, state.positions, report.worst_stretch);
   tell_reasons(report);
   return is_explained(before, report) ? Outcome::good : Outcome::failed;
+}
+
+void Simulator::Impl::begin_offset() {
+  knows_offset = true;
+  cloth.offset = cloth.full_offset;
+  if (cloth.full_offset == surface_offset) return;
+  cloth.offset = std::max(surface_offset, least_distance(colliders, cloth, state.positions));
 }
 
 void Simulator::Impl::begin_frame() {
@@ -144,6 +157,7 @@ bool Simulator::Impl::take_substeps(int steps, const State& before, StepReport& 
     if (is_interrupted && is_interrupted()) {
       throw Interrupted("interrupted in the frame after t = " + std::to_string(before.time) + " s");
     }
+    cloth.offset = std::min(cloth.full_offset, cloth.offset + growth_of_offset * h);
     if (!substep(h, report)) return false;
   }
   return true;
@@ -177,9 +191,10 @@ bool Simulator::Impl::is_explained(const State& before, const StepReport& report
     energy_watch.restart();
     return true;
   }
+  const double lift_speed = frame_context.lifts ? growth_of_offset : 0;
   return energy_watch.accepts(
       cloth, scene.simulation.gravity, frame_context.dt, before, state, colliders,
-      frame_context.recovers ? recovery_speed : 0, frame_context.wind.norm(),
+      frame_context.recovers ? recovery_speed : lift_speed, frame_context.wind.norm(),
       work_of_external_forces(frame_context.dt, before) + holders.work() + attachments.work());
 }
 

@@ -95,11 +95,12 @@ struct Simulator::Impl {
     given_crossings = 0;
   }
 
-  /// The cloth as in the scene, without grips: the method is chosen for it, so that the choice does
-  /// not depend on the time of the call.
+  /// The cloth as in the scene, without grips and with its full offset: the method is chosen for
+  /// it, so that the choice does not depend on the time of the call.
   Cloth without_grips() const {
     Cloth free = cloth;
     hold_pins(free);
+    free.offset = free.full_offset;
     return free;
   }
 
@@ -108,6 +109,7 @@ struct Simulator::Impl {
     method.emplace(scene.simulation, without_grips(), scene.colliders);
     forget_constraints();
     put_on_all();
+    knows_offset = false;
     self_contacts = make_self_contacts(cloth);  // and the tracked pairs in it
     energy_watch.restart();
   }
@@ -345,6 +347,7 @@ struct Simulator::Impl {
   bool is_out_of_reach();
   /// The cloth with the added inertia in a step of h [s].
   const Cloth& add_tension_mass(double h);
+  void begin_offset();  // from colliders, by the state
   /// Does neither a collider nor a pin nor a grip move in this frame?
   bool is_still() const;
   /// Largest change of a point's speed by gravity, colliders and air in this frame [m/s].
@@ -382,15 +385,16 @@ struct Simulator::Impl {
   unsigned topology_seq = 0;
 
   FrameContext frame_context;
-  bool disturbed = false;   // something jumped since the last frame
-  bool is_given = false;    // the state was set: it may be arbitrary
-  int given_crossings = 0;  // pairs of triangles of such a state that still cross
-  Points detected_at;       // positions at a detection that later substeps use
-  Points start;             // positions at the substep's start, where contact needs them
-  Points start_velocities;  // the same [m/s]
-  Points followed;          // velocities by which the points have moved, where contact needs them
-  Points by_impulses;       // positions before projections, with self contact
-  Points impulses;          // of the cloth on held points in a substep [N s]
+  bool knows_offset = false;  // cloth.offset is that of the last frame
+  bool disturbed = false;     // something jumped since the last frame
+  bool is_given = false;      // the state was set: it may be arbitrary
+  int given_crossings = 0;    // pairs of triangles of such a state that still cross
+  Points detected_at;         // positions at a detection that later substeps use
+  Points start;               // positions at the substep's start, where contact needs them
+  Points start_velocities;    // the same [m/s]
+  Points followed;            // velocities by which the points have moved, where contact needs them
+  Points by_impulses;         // positions before projections, with self contact
+  Points impulses;            // of the cloth on held points in a substep [N s]
 };
 
 }  // namespace clothsim

@@ -19,6 +19,15 @@ bool join_alike(const Cloth& one, const Cloth& other) {
                     });
 }
 
+/// Lets the offset from colliders grow from that of `last`, where a point gets a larger one.
+void keep_offset(const Cloth& last, Cloth& now) {
+  double offset = now.full_offset;
+  for (int i = 0; i < now.num_points(); ++i) {
+    if (now.offset_at(i) > last.offset_at(i)) offset = std::min(offset, last.offset_at(i));
+  }
+  now.offset = offset;
+}
+
 /// Gives the cloths of `spec` their values of `live`; see LiveSpec.
 void set_cloths(const LiveSpec& live, ClothSpec& spec) {
   if (live.cloths.size() != spec.parts.size()) {
@@ -106,6 +115,7 @@ void Simulator::set(const LiveSpec& live) {
   impl_->set_collider_friction();
   impl_->renew_targets();
   if (workers) impl_->workers = std::move(*workers);
+  if (impl_->knows_offset) keep_offset(impl_->cloth, cloth);
   impl_->cloth = std::move(cloth);
   std::optional<StrainLimit> last_limit = std::move(impl_->strain_limit);
   impl_->build_strain_limit();

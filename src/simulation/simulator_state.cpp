@@ -14,7 +14,7 @@ namespace clothsim {
 namespace {
 
 /// Increases when the numbers that make up a memory change.
-enum { memory_version = 18 };
+enum { memory_version = 19 };
 
 std::string vector_text(const Vector3& v) {
   return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
@@ -59,6 +59,12 @@ void check_points(const std::string& key, const Points& points, int count, doubl
   }
 }
 
+MemoryReader after_shape(const std::vector<double>& numbers) {
+  MemoryReader memory(numbers);
+  for (std::size_t i = 0; i < MemoryShape().size(); ++i) memory.number();
+  return memory;
+}
+
 /// By collider: whether it leads a rigid body.
 std::vector<char> leads_of(const RigidBodies& bodies, std::size_t num_colliders) {
   std::vector<char> leads;
@@ -79,6 +85,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
   collider_contacts.write(memory);
+  memory.add(knows_offset ? cloth.offset : 0);
   lagged_contact.write(memory);
   if (self_contacts) self_contacts->write(memory);
   bodies.write(memory);
@@ -109,9 +116,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
     throw InvalidValue({"memory"}, "that of another cloth, scene or method",
                        "one that this simulation gave as it is now, or none");
   }
-  MemoryReader memory(numbers);
-  for (std::size_t i = 0; i < MemoryShape().size(); ++i) memory.number();
-
+  MemoryReader memory = after_shape(numbers);
   Method new_method = read_method(memory);
   const bool read_disturbed = memory.index(2) == 1;
   const bool read_given = memory.index(2) == 1;
@@ -119,11 +124,11 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   read_energy_watch.read(memory);
   if (auto* bdf2 = std::get_if<Bdf2>(&new_method.integrator)) bdf2->read(memory, cloth);
 
-  // The constraints.
   std::optional<StrainLimit> read_limit = strain_limit;
   if (read_limit) read_limit->read(memory);
   ColliderContacts read_contacts;
   read_contacts.read(memory, colliders.size(), cloth);
+  const double read_offset = std::clamp(memory.number(), 0.0, cloth.full_offset);
   LaggedContact read_lagged;
   read_lagged.read(memory, cloth);
   std::optional<SelfContacts> read_self_contacts = self_contacts;
@@ -141,6 +146,8 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   method = std::move(new_method);
   strain_limit = std::move(read_limit);
   collider_contacts = std::move(read_contacts);
+  knows_offset = read_offset > 0;
+  if (knows_offset) cloth.offset = read_offset;
   lagged_contact = std::move(read_lagged);
   self_contacts = std::move(read_self_contacts);
   bodies = std::move(read_bodies);

@@ -382,7 +382,7 @@ TEST(Cloths, OfDifferentThicknessArePinchedWhereTheyHaveNoRoom) {
       root["colliders"].push_back(plate);
       Simulator simulator(read_scene(root));
       int pinched = 0;
-      for (int frame = 0; frame < 10; ++frame) pinched = simulator.step().pinched;
+      for (int frame = 0; frame < 30; ++frame) pinched = simulator.step().pinched;
       EXPECT_EQ(pinched > 0, share < 1) << share << " " << upside_down;
     }
   }

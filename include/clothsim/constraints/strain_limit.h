@@ -198,7 +198,7 @@ class StrainLimit {
   double slack(const Cloth&, const State&) const;
   bool find_active(const Points& positions, const Workers&);
   void clear_active();
-  /// Of entry `i` of ids_.
+  /// Sets the impulse of entry `i` of ids_ to zero.
   void end_impulse(std::size_t i) {
     active_[i / FourSprings::count].velocity_impulse[i % FourSprings::count] = 0;
   }

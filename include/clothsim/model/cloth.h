@@ -123,7 +123,9 @@ struct Cloth {
   Scalars frictions;                                  // the same by point, N; empty: `friction`
   double thickness = 0;  // [m] of several cloths the largest, for bounds
   Scalars thicknesses;   // the same by point [m], N; empty: `thickness`
-  double offset = surface_offset;  // from colliders [m]; of several cloths the largest
+  /// From colliders [m], of several cloths the largest. Less than `full_offset` while it grows.
+  double offset = surface_offset;
+  double full_offset = surface_offset;
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
@@ -142,11 +144,10 @@ struct Cloth {
   double min_thickness() const;
   /// Distance that a point keeps from colliders [m].
   double offset_at(int i) const {
-    return thicknesses.size() > 0 ? std::max(surface_offset, thicknesses[i]) : offset;
+    if (thicknesses.size() == 0) return offset;
+    return std::min(offset, std::max(surface_offset, thicknesses[i]));
   }
-  double min_offset() const {
-    return thicknesses.size() > 0 ? std::max(surface_offset, min_thickness()) : offset;
-  }
+  double min_offset() const { return std::min(offset, std::max(surface_offset, min_thickness())); }
   /// How much nearer than `offset` a point comes to colliders [m].
   double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }
   int num_bends() const;
