@@ -9,7 +9,7 @@ namespace clothsim {
 namespace {
 
 /// The forces of a triangle on its points [N].
-using TriangleForces = std::array<Vector3, PatchBend::size>;
+using TriangleForces = std::array<Vector3, PatchBend::near>;
 
 template <typename View>
 SmoothNormal normal_of(const CurvedTriangle& curved, const View& positions) {
@@ -21,7 +21,7 @@ SmoothNormal normal_of(const CurvedTriangle& curved, const View& positions) {
 template <typename View>
 Vector3 weighted_sum(const CurvedTriangle& curved, const View& values) {
   Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 0; k < PatchBend::size; ++k) {
+  for (std::size_t k = 0; k < PatchBend::near; ++k) {
     sum += curved.weights[k] * values(curved.points[k]);
   }
   return sum;
@@ -49,7 +49,7 @@ TriangleForces forces_of(const CurvedTriangle& curved, const SmoothNormal& norma
                          const Terms& terms) {
   const Vector3 gradient = terms.sum - curved.stiffness * terms.normal;
   TriangleForces forces;
-  for (std::size_t k = 0; k < PatchBend::size; ++k) forces[k] = curved.weights[k] * terms.normal;
+  for (std::size_t k = 0; k < PatchBend::near; ++k) forces[k] = curved.weights[k] * terms.normal;
   for (std::size_t k = 0; k < 3; ++k) forces[k] += normal.pulled_back(k, gradient);
   return forces;
 }

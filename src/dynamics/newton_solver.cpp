@@ -219,8 +219,8 @@ void NewtonSolver::Impl::add_curved(const Cloth& cloth, const Past& past) {
     std::array<Eigen::Matrix3d, 3> turns;
     for (std::size_t k = 0; k < 3; ++k) turns[k] = normal.derivative(k);
     std::size_t pair = 0;
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
-      for (std::size_t l = k; l < PatchBend::size; ++l) {
+    for (std::size_t k = 0; k < PatchBend::near; ++k) {
+      for (std::size_t l = k; l < PatchBend::near; ++l) {
         const int number = l > k ? curved.pairs[pair++] : -1;
         const int a = curved.points[k], b = curved.points[l];
         if (cloth.inv_mass[a] == 0 || cloth.inv_mass[b] == 0) continue;

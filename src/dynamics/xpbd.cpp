@@ -259,7 +259,9 @@ void Xpbd::step(const Cloth& cloth, const Loads& loads, double h, State& state,
   for (CellConstraint& c : cells_.list) c.lambda = 0;
   for (MembraneConstraint& c : membranes_.list) c.lambda.setZero();
   for (BendConstraint& c : bends_.list) c.lambda.setZero();
-  for (PatchConstraint& c : patches_.list) c.lambda.setZero();
+  for_each_size(patches_, [](auto& patches) {
+    for (auto& c : patches.list) c.lambda.setZero();
+  });
   for (CurvedConstraint& c : curved_.list) {
     c.lambda.setZero();
     c.damping_lambda.setZero();

@@ -12,9 +12,9 @@
 namespace clothsim {
 namespace {
 
-std::array<Eigen::Matrix3d, PatchBend::size> derivatives_of(const PatchBend& bend,
+std::array<Eigen::Matrix3d, PatchBend::near> derivatives_of(const PatchBend& bend,
                                                             const SmoothNormal& normal) {
-  std::array<Eigen::Matrix3d, PatchBend::size> all;
+  std::array<Eigen::Matrix3d, PatchBend::near> all;
   for (std::size_t k = 0; k < all.size(); ++k) {
     all[k] = bend.coefficients[k] * Eigen::Matrix3d::Identity();
     if (k < 3) all[k] -= bend.curvature * normal.derivative(k);
@@ -61,15 +61,15 @@ void Xpbd::solve_curved(const Cloth& cloth, const PatchBend& bend, const Derivat
                         Points& positions) {
   const auto& points = bend.points;
   Eigen::Matrix3d matrix = compliance * Eigen::Matrix3d::Identity();
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    for (std::size_t l = 0; l < points.size(); ++l) {
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
+    for (std::size_t l = 0; l < derivatives.size(); ++l) {
       if (points[k] != points[l]) continue;
       matrix += cloth.inv_mass[points[k]] * derivatives[k] * derivatives[l].transpose();
     }
   }
   const Vector3 change = matrix.inverse() * (-residual - compliance * lambda);
   lambda += change;
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
     const Eigen::RowVector3d correction = change.transpose() * derivatives[k];
     positions.row(points[k]) += cloth.inv_mass[points[k]] * correction;
     react(cloth, points[k], correction);

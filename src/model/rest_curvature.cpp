@@ -1,6 +1,7 @@
 #include "clothsim/model/rest_curvature.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -33,7 +34,7 @@ double angle_across(const std::array<Vector3, 3>& corners, std::size_t k, const 
   return std::atan2(to.dot(normal), to.dot(outward));
 }
 
-void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBend& bend) {
+void keep_curvature(const std::array<Vector3, PatchBend::near>& places, PatchBend& bend) {
   Vector3 along = Vector3::Zero();
   double size = 0;
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -59,12 +60,14 @@ void add_curved_triangles(TriangleFabric& fabric) {
   std::map<std::array<int, 2>, int> numbers;
   for (const PatchBend& bend : fabric.bends) {
     if (bend.curvature == 0) continue;
-    if (fabric.curved.empty() || fabric.curved.back().points != bend.points) {
+    std::array<int, PatchBend::near> points{};
+    std::copy_n(bend.points.begin(), points.size(), points.begin());
+    if (fabric.curved.empty() || fabric.curved.back().points != points) {
       if (numbers.empty()) numbers = pair_numbers(fabric);
-      CurvedTriangle curved{bend.points, {}, 0, bend.softening, {}};
+      CurvedTriangle curved{points, {}, 0, bend.softening, {}};
       std::size_t pair = 0;
-      for (std::size_t k = 0; k < PatchBend::size; ++k) {
-        for (std::size_t l = k + 1; l < PatchBend::size; ++l) {
+      for (std::size_t k = 0; k < PatchBend::near; ++k) {
+        for (std::size_t l = k + 1; l < PatchBend::near; ++l) {
           const auto [i, j] = std::minmax(bend.points[k], bend.points[l]);
           curved.pairs[pair++] = i == j ? -1 : numbers.at({i, j});
         }
@@ -72,7 +75,7 @@ void add_curved_triangles(TriangleFabric& fabric) {
       fabric.curved.push_back(curved);
     }
     CurvedTriangle& curved = fabric.curved.back();
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
+    for (std::size_t k = 0; k < PatchBend::near; ++k) {
       curved.weights[k] += bend.stiffness * bend.curvature * bend.coefficients[k];
     }
     curved.stiffness += bend.stiffness * bend.curvature * bend.curvature;
@@ -81,7 +84,7 @@ void add_curved_triangles(TriangleFabric& fabric) {
 
   std::vector<std::vector<TriangleFabric::CurvedLink>> of_point(fabric.piece_ids.size());
   for (std::size_t t = 0; t < fabric.curved.size(); ++t) {
-    for (std::size_t k = 0; k < PatchBend::size; ++k) {
+    for (std::size_t k = 0; k < PatchBend::near; ++k) {
       const CurvedTriangle& curved = fabric.curved[t];
       if (curved.weights[k] == 0 && k >= 3) continue;  // a repeated point
       of_point[static_cast<std::size_t>(curved.points[k])].push_back(

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/mesh_bends.h"
 #include "clothsim/model/point_colours.h"
 #include "clothsim/model/rest_curvature.h"
 #include "clothsim/model/smooth_normal.h"
@@ -64,141 +64,6 @@ TriangleFabric::Triangle membrane(const std::array<Flat, 3>& flat, const Materia
   return triangle;
 }
 
-/// The point across an edge of a triangle, laid into its plane.
-struct Across {
-  std::size_t edge;
-  int point;       // of the cloth
-  double height;   // of its place over the edge [m]
-  Vector3 shares;  // barycentric coordinates of its place
-  Flat foot;       // of its place on the edge's line
-};
-
-Flat outward_normal(const std::array<Flat, 3>& x, std::size_t k) {
-  const Flat along = edge(x, k).normalized();
-  const Flat normal(along.y(), -along.x());
-  return normal.dot(x[(k + 2) % 3] - x[k]) > 0 ? Flat(-normal) : normal;
-}
-
-class Bends {
- public:
-  Bends(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, TriangleFabric& fabric)
-      : mesh_(mesh), edges_(edges), fabric_(fabric) {}
-
-  void add(int t, const Material& material) const {
-    if (!material.springs[static_cast<std::size_t>(SpringFamily::bending)]) return;
-    const auto& [warp, weft] = material.fabric->bending_stiffness;
-    const std::array<double, 3> by_area{warp, weft, 2 * std::sqrt(warp * weft)};
-    const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
-    const std::vector<Across> neighbours = across(t);
-    if (neighbours.empty()) return;
-    const Eigen::Matrix3d curvatures = by_kinks(flat, neighbours);
-    const std::optional<Places> bent = mesh_.is_curved(t) ? places(t, neighbours) : std::nullopt;
-    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const double stiffness = area_of(flat) * by_area[static_cast<std::size_t>(c)];
-      if (stiffness == 0) continue;
-      PatchBend bend{{}, {}, stiffness};
-      bend.points.fill(corners[0]);
-      std::copy(corners.begin(), corners.end(), bend.points.begin());
-      for (std::size_t n = 0; n < neighbours.size(); ++n) {
-        const double share = curvatures(c, static_cast<Eigen::Index>(n));
-        bend.points[3 + n] = neighbours[n].point;
-        bend.coefficients[3 + n] = share;
-        for (std::size_t k = 0; k < 3; ++k) {
-          bend.coefficients[k] -= share * neighbours[n].shares[static_cast<Eigen::Index>(k)];
-        }
-      }
-      if (bent) keep_curvature(*bent, bend);
-      fabric_.bends.push_back(bend);
-    }
-  }
-
- private:
-  /// The points across the edges, each laid into the triangle's plane by the rest shape of its own
-  /// triangle: both may be in different panels.
-  std::vector<Across> across(int t) const {
-    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
-    const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
-    std::vector<Across> all;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto e =
-          static_cast<std::size_t>(fabric_.triangles[static_cast<std::size_t>(t)].edges[k]);
-      const auto& both = edges_[e].triangles;
-      const int other = both[0] == t ? both[1] : both[0];
-      if (other < 0) continue;
-      const PointTriple& others = mesh_.triangles[static_cast<std::size_t>(other)];
-      const std::array<Flat, 3>& there = mesh_.flat[static_cast<std::size_t>(other)];
-      const auto place_of = [&](int point) {
-        return static_cast<std::size_t>(std::find(others.begin(), others.end(), point) -
-                                        others.begin());
-      };
-      const std::size_t a = place_of(corners[k]), b = place_of(corners[(k + 1) % 3]);
-      const std::size_t far = 3 - a - b;
-      const Flat side = there[b] - there[a], to = there[far] - there[a];
-      const double share = side.dot(to) / side.squaredNorm();
-      const double height = std::abs(cross(side, to)) / side.norm();
-      const Flat foot = flat[k] + share * edge(flat, k);
-      Across found{k, others[far], height, {}, foot};
-      const Flat place = foot + height * outward_normal(flat, k);
-      const double whole = cross(flat[1] - flat[0], flat[2] - flat[0]);
-      for (std::size_t i = 0; i < 3; ++i) {
-        found.shares[static_cast<Eigen::Index>(i)] =
-            cross(flat[(i + 1) % 3] - place, flat[(i + 2) % 3] - place) / whole;
-      }
-      all.push_back(found);
-    }
-    return all;
-  }
-
-  using Places = std::array<Vector3, PatchBend::size>;
-
-  /// The points of a bend with the lengths of the rest shape and the angles of the start; none
-  /// where it is flat.
-  std::optional<Places> places(int t, const std::vector<Across>& neighbours) const {
-    const PointTriple& corners = mesh_.triangles[static_cast<std::size_t>(t)];
-    const std::array<Flat, 3>& flat = mesh_.flat[static_cast<std::size_t>(t)];
-    const auto lifted = [](const Flat& x, double z) { return Vector3(x.x(), x.y(), z); };
-    const double side = cross(flat[1] - flat[0], flat[2] - flat[0]) > 0 ? 1 : -1;  // of the normal
-    Places all;
-    all.fill(lifted(flat[0], 0));
-    std::array<Vector3, 3> at;
-    for (std::size_t k = 0; k < 3; ++k) {
-      at[k] = row(mesh_.positions, corners[k]);
-      all[k] = lifted(flat[k], 0);
-    }
-    bool is_flat = true;
-    for (std::size_t n = 0; n < neighbours.size(); ++n) {
-      const Across& a = neighbours[n];
-      const double angle = angle_across(at, a.edge, row(mesh_.positions, a.point));
-      const double offset = a.height * std::sin(angle);
-      is_flat = is_flat && (std::abs(angle) < least_angle || std::abs(offset) < least_offset);
-      const Flat out = a.height * std::cos(angle) * outward_normal(flat, a.edge);
-      all[3 + n] = lifted(a.foot + out, side * offset);
-    }
-    if (is_flat) return std::nullopt;
-    return all;
-  }
-
-  /// Curvatures uu, vv and uv from the distances of the points across an edge from the triangle's
-  /// plane, a column each: see TriangleFabric.
-  static Eigen::Matrix3d by_kinks(const std::array<Flat, 3>& flat,
-                                  const std::vector<Across>& neighbours) {
-    Eigen::Matrix3d columns = Eigen::Matrix3d::Zero();
-    Eigen::Index n = 0;
-    for (const Across& a : neighbours) {
-      const Flat normal = outward_normal(flat, a.edge);
-      const double share = edge(flat, a.edge).norm() / (2 * area_of(flat) * a.height);
-      columns.col(n++) << share * normal.x() * normal.x(), share * normal.y() * normal.y(),
-          share * normal.x() * normal.y();
-    }
-    return columns;
-  }
-
-  const ClothMesh& mesh_;
-  const std::vector<MeshEdge>& edges_;
-  TriangleFabric& fabric_;
-};
-
 /// The material of each triangle.
 std::vector<const Material*> materials(const ClothSpec& spec) {
   std::vector<const Material*> all(spec.mesh->triangles.size(), &spec.material);
@@ -248,8 +113,10 @@ void connect(const ClothMesh& mesh, const std::vector<MeshEdge>& edges, Triangle
 void add_pairs(TriangleFabric& fabric) {
   std::map<std::array<int, 2>, double> weights;
   for (const PatchBend& bend : fabric.bends) {
-    for (std::size_t k = 0; k < bend.points.size(); ++k) {
-      for (std::size_t l = k + 1; l < bend.points.size(); ++l) {
+    const std::size_t count = bend.curvature != 0 ? PatchBend::near : PatchBend::size;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (bend.coefficients[k] == 0 && bend.curvature == 0) continue;
+      for (std::size_t l = k + 1; l < count; ++l) {
         const double weight = -bend.stiffness * bend.coefficients[k] * bend.coefficients[l];
         const auto [i, j] = std::minmax(bend.points[k], bend.points[l]);
         if ((weight != 0 || bend.curvature != 0) && i != j) weights[{i, j}] += weight;
@@ -333,8 +200,7 @@ void add_triangle_fabric(const ClothSpec& spec, Cloth& cloth) {
   std::vector<MeshEdge> edges = mesh_edges(mesh.triangles);
   const std::vector<int> batches = sort_into_batches(n, edges);
   connect(mesh, edges, *fabric);
-  const Bends bends(mesh, edges, *fabric);
-  for (std::size_t t = 0; t < material.size(); ++t) bends.add(static_cast<int>(t), *material[t]);
+  add_mesh_bends(mesh, edges, material, *fabric);
   add_pairs(*fabric);
   add_pieces(mesh, n, *fabric);
   add_curved_triangles(*fabric);

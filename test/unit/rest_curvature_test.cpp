@@ -53,13 +53,25 @@ Cloth curved_cloth(const MeshTriangles& triangles, const Material& m = material(
   return make_cloth(spec);
 }
 
-/// Sheets, a ring, and the smallest closed surface, whose triangles share all neighbours.
+/// Sheets, a ring, the smallest closed surface, whose triangles share all neighbours, and a raised
+/// point of three triangles, each of which has it across two edges.
 std::vector<Cloth> cloths(const Material& m = material()) {
   return {curved_cloth(rolled(0.3), m), curved_cloth(rolled(2), m),
           curved_cloth(triangles_of(torus_soup(0.2, 0.08, 9, 6)), m),
           curved_cloth({{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}},
                         {},
                         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+                        true},
+                       m),
+          curved_cloth({{{0, 0, 0},
+                         {0.1, 0, 0},
+                         {0.03, 0.1, 0},
+                         {0.04, 0.03, 0.03},
+                         {0.05, -0.08, 0},
+                         {0.12, 0.1, 0.01},
+                         {-0.06, 0.06, 0}},
+                        {},
+                        {{1, 3, 0}, {1, 2, 3}, {2, 0, 3}, {0, 4, 1}, {1, 5, 2}, {2, 6, 0}},
                         true},
                        m)};
 }

@@ -95,13 +95,107 @@ TEST(TriangleFabric, EvenMeshesHaveTheCurvaturesOfQuadraticSurfaces) {
   }
 }
 
+/// Distance of a point of a sheet of 0.4 x 0.3 m from its border [m].
+double from_border(const Vector3& x) { return std::min({x.x(), 0.4 - x.x(), x.y(), 0.3 - x.y()}); }
+
+TEST(TriangleFabric, UnevenMeshesHaveTheCurvaturesOfQuadraticSurfaces) {
+  Material m = material();
+  m.fabric->bending_stiffness = {1, 1};
+  m.springs = {false, false, true};
+  Sheet shape{21, 16, 0.4, 0.3};
+  shape.uneven = 0.2;
+  const Cloth cloth = sheet(m, shape);
+  const double cell = 0.02;
+  Points x = cloth.rest_positions;
+  constexpr double uu = 0.1, vv = -0.3, uv = 0.2;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    x(i, 2) = uu / 2 * x(i, 0) * x(i, 0) + vv / 2 * x(i, 1) * x(i, 1) + uv * x(i, 0) * x(i, 1);
+  }
+  const std::array<double, 3> expected{uu, vv, uv};
+  const std::vector<PatchBend>& bends = cloth.triangle_fabric->bends;
+  for (std::size_t b = 0; b < bends.size(); ++b) {
+    double nearest = infinity;
+    for (std::size_t k = 0; k < 3; ++k) {
+      nearest = std::min(nearest, from_border(row(cloth.rest_positions, bends[b].points[k])));
+    }
+    if (nearest < 1.3 * cell) continue;  // its neighbours have fewer points
+    EXPECT_NEAR(bends[b].of(x).z(), expected[b % 3], 0.04) << b;  // where edges are even enough
+  }
+  // Any constant moment is in equilibrium: its forces are sums of A times the coefficients.
+  Points forces = Points::Zero(cloth.num_points(), 3);  // by each component of the moment
+  for (std::size_t b = 0; b < bends.size(); ++b) {
+    for (std::size_t k = 0; k < PatchBend::size; ++k) {
+      forces(bends[b].points[k], static_cast<Eigen::Index>(b % 3)) +=
+          bends[b].stiffness * bends[b].coefficients[k];
+    }
+  }
+  int inside = 0;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    if (from_border(row(cloth.rest_positions, i)) < 2.7 * cell) continue;
+    EXPECT_LT(forces.row(i).norm(), 1e-11) << i;
+    ++inside;
+  }
+  EXPECT_GT(inside, 100);
+}
+
+TEST(TriangleFabric, AnEasedSeamIsFlat) {
+  // An edge of 1 m in one panel and 1.5 m in the other.
+  auto mesh = std::make_shared<ClothMesh>();
+  mesh->positions.resize(4, 3);
+  mesh->positions << 0, 0, 0, 1.25, 0, 0, 0.5, -1, 0, 0.75, 1, 0;
+  mesh->triangles = {{0, 2, 1}, {0, 1, 3}};
+  using Flat = ClothMesh::Flat;
+  mesh->flat = {{Flat(0, 0), Flat(0.4, -1), Flat(1, 0)}, {Flat(0, 0), Flat(1.5, 0), Flat(0.9, 1)}};
+  mesh->uv.setZero(4, 2);
+  ClothSpec spec;
+  spec.mesh = mesh;
+  spec.columns = 4;
+  spec.rows = 1;
+  spec.material = material();
+  const Cloth cloth = make_cloth(spec);
+  EXPECT_EQ(cloth.triangle_fabric->bends.size(), 6U);
+  for (const PatchBend& bend : cloth.triangle_fabric->bends) {
+    EXPECT_LT(bend.of(mesh->positions).norm(), 1e-12);
+  }
+}
+
+TEST(TriangleFabric, AFreeEdgeIsStraightUnderCurvatureAlongItAndTwist) {
+  Material m = material();
+  m.fabric->bending_stiffness = {1, 1};
+  m.springs = {false, false, true};
+  Sheet shape{11, 7, 0.4, 0.3};
+  shape.uneven = 0.3;
+  const Cloth cloth = sheet(m, shape);
+  Points x = cloth.rest_positions;
+  for (const bool twisted : {false, true}) {
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      x(i, 2) = twisted ? x(i, 0) * x(i, 1) : x(i, 0) * x(i, 0) / 2;
+    }
+    int count = 0;
+    const std::vector<PatchBend>& bends = cloth.triangle_fabric->bends;
+    for (std::size_t b = 1; b < bends.size(); b += 3) {  // curvature across the lower edge
+      int at_edge = 0;
+      double nearest_end = infinity;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3 p = row(cloth.rest_positions, bends[b].points[k]);
+        at_edge += p.y() < 1e-9;
+        nearest_end = std::min(nearest_end, std::min(p.x(), 0.4 - p.x()));
+      }
+      if (at_edge < 2 || nearest_end < 0.05) continue;
+      EXPECT_LT(std::abs(bends[b].of(x).z()), 0.1) << twisted << b;
+      ++count;
+    }
+    EXPECT_GT(count, 4);
+  }
+}
+
 TEST(TriangleFabric, FlatSheetsHaveNoBendingUnderAnyEvenStrain) {
   const Cloth cloth = sheet();
   Eigen::Matrix3d map;
   map << 1.2, 0.3, 0, -0.1, 0.7, 0, 0.4, 0.2, 1;
   const Points x = cloth.rest_positions * map.transpose();
   for (const PatchBend& bend : cloth.triangle_fabric->bends) {
-    EXPECT_LT(bend.of(x).norm(), 1e-12);
+    EXPECT_LT(bend.of(x).norm(), 1e-11);
   }
 }
 
@@ -184,7 +278,7 @@ TEST(TriangleFabric, DampingOfBendsIsFiniteAndResistsMotionOfAnyCloth) {
       expected.row(j) -= pull;
     });
     // The two sum in another order, which shows where bends are as short as rounding errors.
-    EXPECT_LT((damping - expected).norm(), 1e-3 * expected.norm()) << most;
+    EXPECT_LT((damping - expected).norm(), 5e-3 * expected.norm()) << most;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <tuple>
 #include <vector>
 
 #include "clothsim/dynamics/bends.h"
@@ -90,17 +91,18 @@ class Xpbd {
     Vector3 lambda;
   };
   /// The bends of a triangle that are flat at rest, solved at once: one in a row, along an axis in
-  /// a column.
+  /// a column. `size`: of its points, as many as any of these bends has.
+  template <int size>
   struct PatchConstraint {
-    std::array<int, PatchBend::size> points;
-    Eigen::Matrix<double, 3, PatchBend::size> coefficients;  // [1/m^2]; 0 in rows without a bend
-    Vector3 compliance;                                      // as above
-    Eigen::Matrix3d inverse;                                 // of C w C^T + compliance
-    Eigen::Matrix3d target;                                  // [1/m], of a step
+    std::array<int, size> points;
+    Eigen::Matrix<double, 3, size> coefficients;  // [1/m^2]; 0 in rows without a bend
+    Vector3 compliance;                           // as above
+    Eigen::Matrix3d inverse;                      // of C w C^T + compliance
+    Eigen::Matrix3d target;                       // [1/m], of a step
     Eigen::Matrix3d lambda;
   };
   /// Derivatives of b - B n by the points of a bend [1/m^2].
-  using Derivatives = std::array<Eigen::Matrix3d, PatchBend::size>;
+  using Derivatives = std::array<Eigen::Matrix3d, PatchBend::near>;
   /// A bend that is curved at rest, and its damping: the constraint that the sum of at_frame_i x_i
   /// is the target.
   struct CurvedConstraint {
@@ -121,6 +123,11 @@ class Xpbd {
     std::vector<Constraint> list;
     std::vector<int> colour_ends;  // in `list`
   };
+  /// Calls visit(patches) for those of each size.
+  template <typename Patches, typename Visit>
+  static void for_each_size(Patches& all, const Visit& visit) {
+    std::apply([&](auto&... of_size) { (visit(of_size), ...); }, all);
+  }
   void build(const Cloth&, double h);
   void build_cells(const Cloth&, double h);
   void build_membranes(const Cloth&, double h);
@@ -135,6 +142,8 @@ class Xpbd {
   void solve_membranes(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_bends(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_patches(const Cloth&, bool back, Points& positions, const Workers&);
+  template <typename Patches>
+  void solve_patches(const Cloth&, bool back, Patches&, Points& positions, const Workers&);
   void solve_curved(const Cloth&, bool back, Points& positions, const Workers&);
   void solve_curved(const Cloth&, const PatchBend&, const Derivatives&, const Vector3& residual,
                     double compliance, Vector3& lambda, Points& positions);
@@ -156,8 +165,10 @@ class Xpbd {
   XpbdLines springs_;
   Coloured<CellConstraint> cells_;
   Coloured<MembraneConstraint> membranes_;
-  Coloured<BendConstraint> bends_;     // of a grid
-  Coloured<PatchConstraint> patches_;  // of a mesh
+  Coloured<BendConstraint> bends_;  // of a grid
+  // For a mesh, those of fewer points first.
+  std::tuple<Coloured<PatchConstraint<PatchBend::near>>, Coloured<PatchConstraint<PatchBend::size>>>
+      patches_;
   Coloured<CurvedConstraint> curved_;
   Points reactions_;  // sums of corrections on held points [kg m], N x 3
   Points past_;       // positions before the step [m], N x 3; with damped bends

@@ -20,7 +20,7 @@ double angle_across(const std::array<Vector3, 3>& corners, std::size_t k, const 
 /// along the triangle's normal. A bend has also a part in the triangle's plane, of the second order
 /// in the angles to its neighbours; the coefficients of the corners change by the multiples of both
 /// sides that remove it.
-void keep_curvature(const std::array<Vector3, PatchBend::size>& places, PatchBend& bend);
+void keep_curvature(const std::array<Vector3, PatchBend::near>& places, PatchBend& bend);
 
 /// Sums the bends with a curvature at rest by triangle: sets fabric.curved. `fabric` has its pairs.
 void add_curved_triangles(TriangleFabric& fabric);

@@ -12,8 +12,11 @@ namespace clothsim {
 /// A stencil of bending of a triangle and its neighbours: the energy k |b - B n|^2 / 2, with b the
 /// sum of c_i x_i, coefficients c of sum 0, the curvature at rest B and the triangle's normal n.
 struct PatchBend {
-  enum { size = 6 };
-  std::array<int, size> points;  // a triangle without three neighbours repeats its first corner
+  enum { near = 6, size = 12 };
+  /// The triangle's corners, the points across its edges, and those that correct the slopes at
+  /// these edges: see slope_across(). Places without a point repeat the first corner. Bends of
+  /// triangles that are curved at rest have at most `near` points.
+  std::array<int, size> points;
   std::array<double, size> coefficients;  // [1/m^2]; 0 for repeated points
   double stiffness;                       // [N m^3]
   double curvature = 0;                   // B [1/m]
@@ -36,8 +39,8 @@ struct PatchBend {
 /// A triangle that is curved at rest: the terms with n of the energy of its bends,
 /// S |n|^2 / 2 - n . (sum of g_i x_i).
 struct CurvedTriangle {
-  std::array<int, PatchBend::size> points;      // as those of its bends
-  std::array<double, PatchBend::size> weights;  // g: sums of k B c [N]
+  std::array<int, PatchBend::near> points;      // as the first of its bends
+  std::array<double, PatchBend::near> weights;  // g: sums of k B c [N]
   double stiffness;                             // S: sum of k B^2 [N m]
   double softening;                             // of n, see SmoothNormal [m^2]
   std::array<int, 15> pairs;  // of points k < l in order, in TriangleFabric::pairs; -1: one point
@@ -51,15 +54,18 @@ struct CurvedTriangle {
 /// "Triangular springs for modeling nonlinear membranes"). The moduli are those of the fabric on a
 /// grid: C11 and C22 are the stretch stiffness, C12 and the shear modulus the shear stiffness.
 ///
-/// Bending. The curvatures of a triangle of area A are those of Gauss's theorem with the mean
-/// gradient of both triangles at each edge: the sum of l J n n^T / (2 A), with the kink J of the
-/// surface's slope across an edge of length l and normal n (Onate & Cervera 1993, "Derivation of
-/// thin plate bending elements with one degree of freedom per node", BST). A free edge has no kink.
-/// The energy by area is that of the grid, see add_fabric(). Where the rest shape is flat it is
-/// quadratic, as J is linear in the positions of four points; triangles that are curved at rest
-/// (ClothMesh::curved) have that of the difference to their curvature, see PatchBend and
-/// keep_curvature(). On regular meshes it is exact for quadratic surfaces, on irregular ones too
-/// stiff, by a share that does not fall with the size of cells: docs/limits.md.
+/// Bending. The curvatures of a triangle of area A are those of Gauss's theorem with one slope at
+/// each edge for both of its triangles: the sum of l (s - s_T) n n^T / A over the edges, of length
+/// l and normal n, with the slopes s across the edge's middle and s_T of the triangle itself. In
+/// Onate & Cervera 1993, "Derivation of thin plate bending elements with one degree of freedom per
+/// node", s is the mean of both triangles'; here slope_across(). As s is shared, a constant moment
+/// is in equilibrium on any mesh; where s is exact for quadratic surfaces, so are curvatures. A
+/// free edge has no kink, but for curvature along it and twist. The energy by area is that of the
+/// grid, see add_fabric(). Where the rest shape is flat it is quadratic, as s is linear in
+/// positions; triangles that are curved at rest (ClothMesh::curved) have that of the difference to
+/// their curvature, see PatchBend and keep_curvature(), with the slopes of four points: on uneven
+/// meshes they are too stiff, by a share that does not fall with the size of cells
+/// (docs/limits.md).
 struct TriangleFabric {
   struct Triangle {
     std::array<int, 3> edges;  // by number; edge k joins corners k and k + 1
