@@ -52,7 +52,7 @@ std::vector<ColliderContacts::Penetration> ColliderContacts::find(
     s.has_faces = false;
     const MovingCollider& collider = colliders[static_cast<std::size_t>(k)];
     if (!collider.enabled()) {
-      s.is_clear = false;
+      s.is_clear = s.is_restored_clear = false;
       s.exit = {};
       continue;
     }
@@ -196,9 +196,18 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
   const double jumped =
       s.sleep_bounds.follow(collider.previous(), radius) + motion_bound_.between_steps();
   s.moved = s.sleep_bounds.follow(collider.pose(), radius);
-  s.is_clear = s.is_clear && jumped < penetration_slop;
+  s.is_clear = (s.is_clear && jumped < penetration_slop) || s.is_restored_clear;
+  s.is_restored_clear = false;
   s.is_close = !s.is_clear || s.exit.is_together() ||
                motion_bound_.in_step() + s.moved > safe_depth(collider.shape());
+}
+
+bool ColliderContacts::stays_clear(const ColliderCache& s, const MovingCollider& collider,
+                                   const Points& positions) const {
+  SleepBounds next = s.sleep_bounds;
+  const double radius = farthest_from(collider.pose().position, positions);
+  return s.is_clear && next.follow(collider.pose(), radius) + motion_bound_.since_step(positions) <
+                           penetration_slop;
 }
 
 bool ColliderContacts::is_near_faces(const ColliderCache& s, const Clearance& keeps,
@@ -238,6 +247,24 @@ int ColliderContacts::count() const {
   return points + faces_.count() + pinches_.count();
 }
 
+void ColliderContacts::jump(std::size_t collider) {
+  if (collider < caches_.size()) {
+    caches_[collider].is_clear = caches_[collider].is_restored_clear = false;
+  }
+}
+
+void ColliderContacts::find_jumps(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
+                                  const Points& positions) {
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    if (!caches_[k].is_restored_clear) continue;
+    for (int i = 0; i < cloth.num_points(); ++i) {
+      const Vector3 place = to_local(colliders[k].pose(), row(positions, i));
+      const double distance = signed_distance(colliders[k].shape(), place, place).value;
+      if (cloth.inv_mass[i] > 0 && distance < penetration_slop) jump(k);
+    }
+  }
+}
+
 void ColliderContacts::put_on(std::size_t collider) {
   if (collider >= caches_.size()) caches_.resize(collider + 1);
   caches_[collider].exit = {ColliderExit::Way::undecided};
@@ -266,7 +293,8 @@ void ColliderContacts::reset() {
   h_ = 0;
 }
 
-void ColliderContacts::write(MemoryWriter& memory) const {
+void ColliderContacts::write(MemoryWriter& memory, const std::vector<MovingCollider>& colliders,
+                             const Points& positions) const {
   memory.add(h_);
   int points = 0;
   for (const ColliderCache& s : caches_) points += s.slots.count();
@@ -279,6 +307,14 @@ void ColliderContacts::write(MemoryWriter& memory) const {
     });
   }
   faces_.write(memory);
+  std::vector<std::size_t> clear;
+  for (std::size_t k = 0; k < caches_.size(); ++k) {
+    if (caches_[k].is_restored_clear || stays_clear(caches_[k], colliders[k], positions)) {
+      clear.push_back(k);
+    }
+  }
+  memory.add(static_cast<double>(clear.size()));
+  for (const std::size_t k : clear) memory.add(static_cast<double>(k));
   write_exits(memory);
   memory.add(pinches_.count() > 0 || is_restored_pinched_);
   memory.add(recovers_);
@@ -298,6 +334,9 @@ void ColliderContacts::read(MemoryReader& memory, std::size_t colliders, const C
     slots.set_impulse(point, impulse);
   }
   faces_.read(memory);
+  for (std::size_t left = memory.count(); left > 0; --left) {
+    cache(memory.index(colliders)).is_restored_clear = true;
+  }
   read_exits(memory, colliders);
   is_restored_pinched_ = memory.index(2) == 1;
   recovers_ = memory.index(2) == 1;

@@ -21,11 +21,14 @@ double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 }  // namespace
 
+double MotionBound::since_step(const Points& start) const {
+  if (seen_.rows() != start.rows()) return infinity;
+  return are_same(seen_, start) ? 0 : longest_displacement(seen_, start);
+}
+
 void MotionBound::begin(const Points& start, const Points& now) {
-  const bool is_known = seen_.rows() == start.rows();
-  between_steps_ =
-      !is_known ? infinity : (are_same(seen_, start) ? 0 : longest_displacement(seen_, start));
-  at_start_ = total_ + (is_known ? between_steps_ : 0);
+  between_steps_ = since_step(start);
+  at_start_ = total_ + (between_steps_ < infinity ? between_steps_ : 0);
   update(start, now);
 }
 

@@ -46,6 +46,7 @@ void Simulator::Impl::put_elsewhere(std::size_t leader, const Pose& pose) {
     const double turn = from.orientation.angularDistance(to.orientation);
     const double moved = (to.position - from.position).norm() +
                          (turn > 0 ? turn * bounding_radius(colliders[k].shape()) : 0);
+    if (moved >= penetration_slop) collider_contacts.jump(k);
     if (moved > safe_depth(colliders[k].shape())) collider_contacts.put_on(k);
   }
 }

@@ -84,7 +84,7 @@ void Simulator::Impl::write(MemoryWriter& memory) const {
   energy_watch.write(memory);
   if (const auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->write(memory, cloth);
   if (strain_limit) strain_limit->write(memory);
-  collider_contacts.write(memory);
+  collider_contacts.write(memory, colliders, state.positions);
   memory.add(knows_offset ? cloth.offset : 0);
   lagged_contact.write(memory);
   if (self_contacts) self_contacts->write(memory);
@@ -118,8 +118,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   }
   MemoryReader memory = after_shape(numbers);
   Method new_method = read_method(memory);
-  const bool read_disturbed = memory.index(2) == 1;
-  const bool read_given = memory.index(2) == 1;
+  const bool read_disturbed = memory.index(2) == 1, read_given = memory.index(2) == 1;
   EnergyWatch read_energy_watch;
   read_energy_watch.read(memory);
   if (auto* bdf2 = std::get_if<Bdf2>(&new_method.integrator)) bdf2->read(memory, cloth);
@@ -155,6 +154,7 @@ void Simulator::Impl::read(const std::vector<double>& numbers) {
   attachments = std::move(read_attachments);
   holders = std::move(read_holders);
   follow_holders();
+  if (auto* bdf2 = std::get_if<Bdf2>(&method->integrator)) bdf2->resume(cloth);
   restore_velocities(true);
   disturbed = read_disturbed;
   is_given = read_given;
@@ -201,6 +201,7 @@ void Simulator::Impl::set_state(const State& given, const std::vector<double>& m
     state.positions.row(i) = last.positions.row(i);
     state.velocities.row(i) = last.velocities.row(i);
   }
+  collider_contacts.find_jumps(colliders, cloth, state.positions);
   look_for_crossings();
 }
 

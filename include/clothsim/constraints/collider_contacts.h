@@ -124,6 +124,11 @@ class ColliderContacts {
   /// when something has moved.
   void reset_recovery() { recovery_duration_ = 0; }
 
+  /// To be called when a collider was put elsewhere: cloth may be in it.
+  void jump(std::size_t collider);
+  /// The same for colliders that free points at `positions` are in, after read().
+  void find_jumps(const std::vector<MovingCollider>&, const Cloth&, const Points& positions);
+
   /// To be called when a collider was turned on, or put elsewhere by more than its safe_depth():
   /// the next detection chooses how cloth in it leaves.
   void put_on(std::size_t collider);
@@ -138,7 +143,8 @@ class ColliderContacts {
 
   /// The impulses and the ways out of colliders, for the given numbers of colliders and points.
   /// `read` throws InvalidValue for data that is not from `write`.
-  void write(MemoryWriter&) const;
+  /// With the cloth at `positions`, as the next step finds it.
+  void write(MemoryWriter&, const std::vector<MovingCollider>&, const Points& positions) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
  private:
@@ -149,12 +155,13 @@ class ColliderContacts {
     std::vector<Span> near;    // blocks that may touch it before the next detection, ascending
     std::vector<Span> inside;  // blocks that may be in it as a step ends
     double friction = 0;
-    double keeps = 0;        // distance that points keep from its surface [m]
-    double within = 0;       // distance within which blocks are `near` [m]
-    double moved = 0;        // displacement of its surface in this step, at most [m]
-    bool has_faces = false;  // whether triangles may touch it in this step
-    bool is_clear = false;   // no free point was in it as the last step ended
-    bool is_close = false;   // whether this step checks its points one by one
+    double keeps = 0;                // distance that points keep from its surface [m]
+    double within = 0;               // distance within which blocks are `near` [m]
+    double moved = 0;                // displacement of its surface in this step, at most [m]
+    bool has_faces = false;          // whether triangles may touch it in this step
+    bool is_clear = false;           // no free point was in it as the last step ended
+    bool is_restored_clear = false;  // the same, as it was written
+    bool is_close = false;           // whether this step checks its points one by one
     ColliderExit exit;
     /// Common direction in which points leave it in this step, in its frame, unit.
     std::optional<Vector3> exit_direction;
@@ -194,6 +201,9 @@ class ColliderContacts {
 
   /// Updates the cache for the pose of the collider in this step.
   void follow(ColliderCache&, const MovingCollider&, const Points& positions) const;
+
+  /// Is no free point in the collider as a step begins with the cloth at `positions`?
+  bool stays_clear(const ColliderCache&, const MovingCollider&, const Points& positions) const;
 
   /// Can triangles come within `distance` [m] of the collider?
   bool is_near_faces(const ColliderCache&, const Clearance&, double distance) const;

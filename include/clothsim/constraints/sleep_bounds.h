@@ -45,6 +45,8 @@ class MotionBound {
   /// Largest displacement of a point between the last step's end and this one's start [m]; infinity
   /// for the first.
   double between_steps() const { return between_steps_; }
+  /// The same for a step that would start with the points at `start`.
+  double since_step(const Points& start) const;
 
  private:
   Points seen_;  // at the last step's end; none: not known

@@ -49,6 +49,11 @@ class Bdf2 {
   void write(MemoryWriter&, const Cloth&) const;
   void read(MemoryReader&, const Cloth&);
 
+  /// To be called after read() where points of the cloth are held or let go since.
+  void resume(const Cloth& cloth) {
+    if (h_ > 0) watch_.changed(cloth, h_);
+  }
+
  private:
   /// Largest component of free points' velocities before the last step and displacements per h in
   /// it [m/s].
