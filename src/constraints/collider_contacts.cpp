@@ -204,10 +204,11 @@ void ColliderContacts::follow(ColliderCache& s, const MovingCollider& collider,
 
 bool ColliderContacts::stays_clear(const ColliderCache& s, const MovingCollider& collider,
                                    const Points& positions) const {
+  if (!s.is_clear) return false;
   SleepBounds next = s.sleep_bounds;
   const double radius = farthest_from(collider.pose().position, positions);
-  return s.is_clear && next.follow(collider.pose(), radius) + motion_bound_.since_step(positions) <
-                           penetration_slop;
+  return next.follow(collider.pose(), radius) + motion_bound_.since_step(positions) <
+         penetration_slop;
 }
 
 bool ColliderContacts::is_near_faces(const ColliderCache& s, const Clearance& keeps,
@@ -256,11 +257,10 @@ void ColliderContacts::jump(std::size_t collider) {
 void ColliderContacts::find_jumps(const std::vector<MovingCollider>& colliders, const Cloth& cloth,
                                   const Points& positions) {
   for (std::size_t k = 0; k < caches_.size(); ++k) {
-    if (!caches_[k].is_restored_clear) continue;
-    for (int i = 0; i < cloth.num_points(); ++i) {
+    for (int i = 0; i < cloth.num_points() && caches_[k].is_restored_clear; ++i) {
+      if (cloth.inv_mass[i] == 0) continue;
       const Vector3 place = to_local(colliders[k].pose(), row(positions, i));
-      const double distance = signed_distance(colliders[k].shape(), place, place).value;
-      if (cloth.inv_mass[i] > 0 && distance < penetration_slop) jump(k);
+      if (signed_distance(colliders[k].shape(), place, place).value < penetration_slop) jump(k);
     }
   }
 }

@@ -79,7 +79,7 @@ void add_mesh_forces(const Cloth& cloth, const Vector3& wind, const State& state
   });
 }
 
-/// See air_rate(), of a part of a cloth.
+/// air_rate() for a part of a cloth.
 double rate_of(const std::array<double, 2>& drag, double mass, double area, double speed) {
   // The factor 2 is that of the derivative of the square.
   return air_density * std::max(drag[0], drag[1]) * speed * area / mass;

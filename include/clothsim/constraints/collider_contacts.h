@@ -80,11 +80,10 @@ class ColliderContacts {
   void project_again(const std::vector<MovingCollider>&, const Cloth&, const Points& start,
                      Points& positions);
 
-  /// Adds the impulses of the cloth, at `positions`, on each collider in the step: impulse
-  /// [N s] and its moment about the origin of the collider's frame [N m s], in the world. `masses`:
-  /// impulse by change of velocity, by point [kg].
-  /// All changes of velocities count, also those of recovery; displacements by project_positions()
-  /// do not.
+  /// Adds the impulses of the cloth, at `positions`, on each collider in the step: impulse [N s]
+  /// and its moment about the origin of the collider's frame [N m s], in the world. `masses`:
+  /// impulse by change of velocity, by point [kg]. All changes of velocities count, also those of
+  /// recovery; displacements by project_positions() do not.
   void add_impulses(const std::vector<MovingCollider>&, const Scalars& masses,
                     const Points& positions, std::vector<Wrench>& sums) const;
 
@@ -141,9 +140,9 @@ class ColliderContacts {
   /// recovery.
   void reset();
 
-  /// The impulses and the ways out of colliders, for the given numbers of colliders and points.
-  /// `read` throws InvalidValue for data that is not from `write`.
-  /// With the cloth at `positions`, as the next step finds it.
+  /// The impulses, the ways out of colliders, and those that no free point of the cloth, at
+  /// `positions`, is in. `read` throws InvalidValue for data that is not from `write` for the same
+  /// numbers of colliders and points.
   void write(MemoryWriter&, const std::vector<MovingCollider>&, const Points& positions) const;
   void read(MemoryReader&, std::size_t colliders, const Cloth&);
 
