@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clothsim/model/flat_triangle.h"
+
 namespace clothsim {
 namespace {
 
@@ -15,21 +17,15 @@ constexpr double even_enough = 0.05;
 /// Combinations of quadratic functions that the points determine more weakly stay as they are.
 /// Without this bound some uneven meshes get frequencies of bending that are three times as high.
 constexpr double least_determined = 0.1;
-/// Beside a triangle with a smaller ratio of height to longest side, small shares of heights would
-/// be large curvatures, with frequencies up to ten times as high.
-constexpr double least_height = 0.1;
-
-double height_ratio(const Eigen::Vector2d& across) {
-  const double before = across.x() + 0.5, after = across.x() - 0.5, y2 = across.y() * across.y();
-  const double longest2 = std::max({1.0, before * before + y2, after * after + y2});
-  return std::abs(across.y()) / longest2;
-}
 
 }  // namespace
 
 std::vector<PointShare> slope_across(const std::vector<PointAtEdge>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
   const Eigen::Vector2d &below = points[2].place, &above = points[3].place;
+  const auto height_ratio_of = [&](const Eigen::Vector2d& across) {
+    return height_ratio({points[0].place, points[1].place, across});
+  };
   // Each slope from the point across to its foot on the edge, whose height is that of both ends.
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(count);
   const double both = above.y() - below.y();
@@ -51,7 +47,7 @@ std::vector<PointShare> slope_across(const std::vector<PointAtEdge>& points) {
   }
   const Eigen::Vector3d error = quadratic * shares;
   const bool is_exact = count == 4 || error.cwiseAbs().maxCoeff() < even_enough;
-  if (!is_exact && std::min(height_ratio(below), height_ratio(above)) >= least_height) {
+  if (!is_exact && std::min(height_ratio_of(below), height_ratio_of(above)) >= least_height_ratio) {
     // Corrections have no part in linear functions.
     const Eigen::MatrixXd in_linear =
         Eigen::HouseholderQR<Eigen::MatrixXd>(linear.transpose()).householderQ() *

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "clothsim/model/edge_slope.h"
+#include "clothsim/model/flat_triangle.h"
 #include "clothsim/model/rest_curvature.h"
 #include "clothsim/model/types.h"
 
@@ -15,16 +16,7 @@ namespace {
 
 using Flat = ClothMesh::Flat;
 
-/// A triangle with a free edge and a smaller ratio of height over it to longest side is left as it
-/// is: see close_free_edge().
-constexpr double least_height_over_free_edge = 0.1;
-
-double cross(const Flat& a, const Flat& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-/// Edge k of a triangle, from corner k to corner k + 1.
-Flat edge(const std::array<Flat, 3>& x, std::size_t k) { return x[(k + 1) % 3] - x[k]; }
-
-Flat outward_normal(const std::array<Flat, 3>& x, std::size_t k) {
+Flat outward_normal(const FlatTriangle& x, std::size_t k) {
   const Flat along = edge(x, k).normalized();
   const Flat normal(along.y(), -along.x());
   return normal.dot(x[(k + 2) % 3] - x[k]) > 0 ? Flat(-normal) : normal;
@@ -37,7 +29,7 @@ struct Across {
   double height;  // of its place over the edge [m]
   Flat foot;      // of its place on the edge's line
 
-  Flat place(const std::array<Flat, 3>& triangle) const {
+  Flat place(const FlatTriangle& triangle) const {
     return foot + height * outward_normal(triangle, edge);
   }
 };
@@ -141,14 +133,14 @@ class Bends {
   /// The points across the edges, each laid into the triangle's plane by the rest shape of its own
   /// triangle: both may be in different panels.
   std::vector<Across> across(std::size_t t) const {
-    const std::array<Flat, 3>& flat = mesh_.flat[t];
+    const FlatTriangle& flat = mesh_.flat[t];
     std::vector<Across> all;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto& both = edges_[edge_number(t, k)].triangles;
       const int other = both[0] == static_cast<int>(t) ? both[1] : both[0];
       if (other < 0) continue;
       const auto o = static_cast<std::size_t>(other);
-      const std::array<Flat, 3>& there = mesh_.flat[o];
+      const FlatTriangle& there = mesh_.flat[o];
       const std::size_t a = corner_of(o, mesh_.triangles[t][k]),
                         b = corner_of(o, mesh_.triangles[t][(k + 1) % 3]), far = 3 - a - b;
       const Flat side = there[b] - there[a], to = there[far] - there[a];
@@ -170,7 +162,7 @@ class Bends {
     std::vector<PointAtEdge> points{{a, {-0.5, 0}}, {b, {0.5, 0}}}, farther;
     for (const int side : {0, 1}) {
       const auto t = static_cast<std::size_t>(both[static_cast<std::size_t>(side)]);
-      const std::array<Flat, 3>& flat = mesh_.flat[t];
+      const FlatTriangle& flat = mesh_.flat[t];
       const std::size_t from = corner_of(t, a), to = corner_of(t, b), far = 3 - from - to;
       const std::size_t k = (from + 1) % 3 == to ? from : to;
       const Flat along = flat[to] - flat[from], middle = (flat[to] + flat[from]) / 2;
@@ -205,7 +197,7 @@ class Bends {
   }
 
   Curvatures curvatures_of(std::size_t t, const std::vector<Across>& neighbours) const {
-    const std::array<Flat, 3>& flat = mesh_.flat[t];
+    const FlatTriangle& flat = mesh_.flat[t];
     Curvatures all(mesh_.triangles[t], neighbours);
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       const Across& n = neighbours[i];
@@ -233,7 +225,7 @@ class Bends {
   /// Adds `factor` times the slope of a triangle outwards at its edge k [1/m].
   void add_own_slope(std::size_t t, std::size_t k, const Vector3& factor, Curvatures& all) const {
     const std::array<int, 3>& corners = mesh_.triangles[t];
-    const std::array<Flat, 3>& flat = mesh_.flat[t];
+    const FlatTriangle& flat = mesh_.flat[t];
     const Flat side = edge(flat, k), to = flat[(k + 2) % 3] - flat[k];
     const double foot = side.dot(to) / side.squaredNorm();
     const Vector3 by_height = side.norm() / (2 * fabric_.triangles[t].area) * factor;
@@ -247,10 +239,9 @@ class Bends {
   /// a moment across the edge this is exact for equal stiffness in warp and weft. A triangle with
   /// two free edges stays as it is.
   void close_free_edge(std::size_t t, std::size_t k, Curvatures& all) const {
-    const std::array<Flat, 3>& flat = mesh_.flat[t];
+    const FlatTriangle& flat = mesh_.flat[t];
     const double length = edge(flat, k).norm(), height = 2 * fabric_.triangles[t].area / length;
-    const double longest = std::max(edge(flat, (k + 1) % 3).norm(), edge(flat, (k + 2) % 3).norm());
-    if (height < least_height_over_free_edge * std::max(length, longest)) return;
+    if (height_ratio(flat) < least_height_ratio) return;
     const Flat u = edge(flat, k) / length, n = outward_normal(flat, k);
     const double foot = (flat[(k + 2) % 3] - (flat[k] + flat[(k + 1) % 3]) / 2).dot(u);
     all.change([&](const Vector3& c) -> Vector3 {
@@ -266,7 +257,7 @@ class Bends {
   /// The points of a bend with the lengths of the rest shape and the angles of the start; none
   /// where it is flat.
   std::optional<Places> places(std::size_t t, const std::vector<Across>& neighbours) const {
-    const std::array<Flat, 3>& flat = mesh_.flat[t];
+    const FlatTriangle& flat = mesh_.flat[t];
     const auto lifted = [](const Flat& x, double z) { return Vector3(x.x(), x.y(), z); };
     const double side = cross(flat[1] - flat[0], flat[2] - flat[0]) > 0 ? 1 : -1;  // of the normal
     Places all;

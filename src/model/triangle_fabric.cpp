@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/flat_triangle.h"
 #include "clothsim/model/mesh_bends.h"
 #include "clothsim/model/point_colours.h"
 #include "clothsim/model/rest_curvature.h"
@@ -20,11 +21,7 @@ namespace {
 using Flat = ClothMesh::Flat;
 using PointTriple = std::array<int, 3>;
 
-double cross(const Flat& a, const Flat& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double area_of(const std::array<Flat, 3>& x) {
-  return std::abs(cross(x[1] - x[0], x[2] - x[0])) / 2;
-}
+double area_of(const FlatTriangle& x) { return std::abs(cross(x[1] - x[0], x[2] - x[0])) / 2; }
 
 /// C of the fabric, for strains along warp, along weft and the shear angle.
 Eigen::Matrix3d moduli(const Material& material) {
@@ -42,11 +39,8 @@ Eigen::Matrix3d moduli(const Material& material) {
   return c;
 }
 
-/// Edge k of a triangle, from corner k to corner k + 1.
-Flat edge(const std::array<Flat, 3>& x, std::size_t k) { return x[(k + 1) % 3] - x[k]; }
-
 /// K and Q: strains are R^-1 (q - Q) / 2, with the rows (D_x^2, D_y^2, D_x D_y) of R.
-TriangleFabric::Triangle membrane(const std::array<Flat, 3>& flat, const Material& material) {
+TriangleFabric::Triangle membrane(const FlatTriangle& flat, const Material& material) {
   TriangleFabric::Triangle triangle{};
   Eigen::Matrix3d r;
   for (std::size_t k = 0; k < 3; ++k) {
