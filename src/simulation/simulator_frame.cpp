@@ -124,7 +124,9 @@ int Simulator::Impl::first_substeps() {
   frame_context.is_fast = min_steps > 1;
   if (follows_tension()) {
     min_steps = substeps_under_tension(dt, min_steps);
-    if (!collider_contacts.recovers()) min_steps = std::max(min_steps, substeps_for_parting(dt));
+    if (!collider_contacts.recovers()) {
+      min_steps = substeps_at_parting(cloth, state.velocities, dt, min_steps);
+    }
   }
   if (has_air()) {
     // Air removes at most all of the relative velocity in a substep.
@@ -228,10 +230,6 @@ int Simulator::Impl::substeps_under_tension(double dt, int min_steps) const {
                                pull);
   }
   return substeps_at_mass_ratio(cloth, gravity, inertia.mass_ratio(dt), dt, min_steps);
-}
-
-int Simulator::Impl::substeps_for_parting(double dt) const {
-  return substeps_at_parting(cloth, state.velocities, dt, method->choice.min_substeps);
 }
 
 bool Simulator::Impl::is_out_of_reach() {

@@ -330,8 +330,6 @@ struct Simulator::Impl {
   bool follows_tension() const;
   /// Substeps of `dt` [s] for the present tension, at least `min_steps`.
   int substeps_under_tension(double dt, int min_steps) const;
-  /// Substeps of a frame for springs that lengthen fast, so that their limit can act.
-  int substeps_for_parting(double dt) const;
   /// Can the cloth touch anything in this frame?
   bool touches() const {
     return self_contacts || touches_others() || holders.any_slips() || !attachments.empty();
