@@ -7,6 +7,10 @@
 namespace clothsim {
 namespace {
 
+/// Depth of a triangle at which it is projected between detections, beyond that in which
+/// projections leave it and rounding.
+constexpr double sunk_depth = 1.01 * penetration_slop;
+
 /// Ends motion that a projection has undone: a point that it has moved from `before` keeps no
 /// velocity against that displacement beyond its motion from `start` in the step of h [s].
 void end_undone_motion(double h, const Points& start, const Points& before, State& state) {
@@ -35,22 +39,42 @@ void ColliderContacts::project_positions(const std::vector<MovingCollider>& coll
 
 void ColliderContacts::project_near(const std::vector<MovingCollider>& colliders,
                                     const Cloth& cloth, const Points& start, Points& positions) {
-  motion_bound_.add(longest_displacement(start, positions));
+  const double in_step = longest_displacement(start, positions);
+  motion_bound_.add(in_step);
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     ColliderCache& s = caches_[k];
-    if (s.near.empty()) continue;
-    const ContactSlots::Detector detector(colliders[k], cloth, s.keeps,
-                                          s.query(colliders[k], cloth, 2 * s.keeps));
-    double longest = 0;
-    for (const Span& span : s.near) {
-      const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
-      double min_distances[Span::longest];
-      longest = std::max(longest, ContactSlots::project_positions(span, detector, free, start,
-                                                                  positions, min_distances));
+    if (!s.near.empty()) {
+      const ContactSlots::Detector detector(colliders[k], cloth, s.keeps,
+                                            s.query(colliders[k], cloth, 2 * s.keeps));
+      double longest = 0;
+      for (const Span& span : s.near) {
+        const double* free = &cloth.inv_mass[ContactSlots::first_of(span.begin)];
+        double min_distances[Span::longest];
+        longest = std::max(longest, ContactSlots::project_positions(span, detector, free, start,
+                                                                    positions, min_distances));
+      }
+      moved_out(k, longest);
     }
-    moved_out(k, longest);
+    if (s.has_faces && has_sunk(k, colliders[k], cloth, in_step, positions)) {
+      moved_out(k, project_faces(k, colliders[k], cloth, start, positions));
+    }
   }
   motion_bound_.end(positions);
+}
+
+bool ColliderContacts::has_sunk(std::size_t number, const MovingCollider& collider,
+                                const Cloth& cloth, double in_step, const Points& positions) const {
+  if (in_step + caches_[number].moved < penetration_slop) return false;
+  bool result = false;
+  faces_.for_each_on(static_cast<int>(number), [&](int triangle, const CornerWeights& weights,
+                                                   const Vector3&, double) {
+    const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
+    const Vector3 x = to_local(collider.pose(), weighted(positions, corners, weights));
+    const double distance = signed_distance(collider.shape(), x, x).value +
+                            leeway(cloth, corners, triangle_of(positions, corners), weights);
+    result = result || distance < cloth.offset_at(corners[0]) - sunk_depth;
+  });
+  return result;
 }
 
 void ColliderContacts::moved_out(std::size_t collider, double distance) {

@@ -295,6 +295,12 @@ class ColliderContacts {
   double project_faces(std::size_t number, const MovingCollider&, const Cloth&, const Points& start,
                        Points& positions);
 
+  /// Whether a triangle in contact is deeper than projections leave it. Edges turn about each
+  /// other, so a step in which nothing moves by more than `in_step` [m] sinks a triangle by
+  /// in_step^2 / (2 offset) at most.
+  bool has_sunk(std::size_t number, const MovingCollider&, const Cloth&, double in_step,
+                const Points& positions) const;
+
   ColliderCache& cache(int collider) { return caches_[static_cast<std::size_t>(collider)]; }
 
   double stretch_ = 0;                 // of the step, see ContactStep
