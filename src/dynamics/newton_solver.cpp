@@ -49,7 +49,8 @@ struct NewtonSolver::Impl {
   int solve(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
             Points& d);
   void share_inertia(const Cloth& cloth, const Scalars& weights);
-  bool find_step(const Cloth& cloth, const Scalars& weights, const Past& past);
+  bool find_step(const Cloth& cloth, const Past& past);
+  void keep_momentum();
   double bearable(int a, int b) const { return 1 / (1 / spare[a] + 1 / spare[b]); }
   void add_springs(const Cloth& cloth, const Past& past);
   void add_cells(const Cloth& cloth, const Past& past);
@@ -62,13 +63,13 @@ struct NewtonSolver::Impl {
 
   Parameters parameters;
   bool unconverged = false;
-  SpringSystem<3> system;
+  SpringSystem system;
+  Scalars inertia;   // `weights` of free points [N/m], 0 at pins
   Scalars spare;     // inertia available to each spring of a point [N/m], infinite at pins
   Points positions;  // y + d [m]
   Points gradient;   // of the potential [N]
   Points step;       // Newton's [m]
   Points trial;      // [m]
-  Eigen::Matrix<double, 3, Eigen::Dynamic> rhs;
 };
 
 /// A compressed spring has a stiffness -s across itself. Two ends of inertia p and q keep the
@@ -84,7 +85,9 @@ void NewtonSolver::Impl::share_inertia(const Cloth& cloth, const Scalars& weight
   for_each_cell(cloth, [&](const Cell& cell) {
     for (const int corner : cell.corners) ++springs[corner];
   });
-  spare = (cloth.inv_mass.array() > 0).select(weights.array() / (springs.array() + 1), infinity);
+  const auto is_free = cloth.inv_mass.array() > 0;
+  spare = is_free.select(weights.array() / (springs.array() + 1), infinity);
+  inertia = is_free.select(weights, 0);
 }
 
 /// Adds `block` to both points, -`block` between them, except for pins.
@@ -242,11 +245,10 @@ void NewtonSolver::Impl::add_curved(const Cloth& cloth, const Past& past) {
 }
 
 /// Newton's step from `positions` and `gradient`. False where there is none.
-bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, const Past& past) {
+bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Past& past) {
   system.begin(cloth);
   for (int i = 0; i < cloth.num_points(); ++i) {
-    const double inertia = cloth.inv_mass[i] > 0 ? weights[i] : 1.0;
-    system.add_to_point(i, inertia * Eigen::Matrix3d::Identity());
+    system.add_to_point(i, (inertia[i] > 0 ? inertia[i] : 1) * Eigen::Matrix3d::Identity());
   }
   if (cloth.is_mesh()) {
     add_triangles(cloth, past);
@@ -256,12 +258,30 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Scalars& weights, c
   }
   add_bends(cloth, past);
   if (cloth.is_mesh()) add_curved(cloth, past);
-  if (!system.factorize()) return false;
+  if (!system.solve(-gradient, step)) return false;
+  keep_momentum();
+  return true;
+}
 
-  rhs = -gradient.transpose();
-  const Eigen::VectorXd solution = system.solve(rhs.reshaped());
-  step = solution.reshaped(3, cloth.num_points()).transpose();
-  return step.allFinite();
+/// Shifts each piece of cloth without pins so that the sum of inertia times displacement stays
+/// zero: an inexact solution does not keep the sum by itself.
+void NewtonSolver::Impl::keep_momentum() {
+  const std::vector<int>& points = system.points();
+  for (const SpringSystem::Span& piece : system.pieces()) {
+    Vector3 sum = Vector3::Zero();  // of the displacement so far, and of the step
+    double all = 0;
+    bool is_free = true;
+    for (int r = piece.begin; r < piece.end; ++r) {
+      const int i = points[static_cast<std::size_t>(r)];
+      sum += inertia[i] * row(step, i) + row(gradient, i);
+      all += inertia[i];
+      is_free = is_free && inertia[i] > 0;
+    }
+    if (!is_free) continue;
+    for (int r = piece.begin; r < piece.end; ++r) {
+      step.row(points[static_cast<std::size_t>(r)]) -= sum.transpose() / all;
+    }
+  }
 }
 
 /// Takes the largest of the shares 1, 1/2, 1/4 .. of `step` that lowers the potential. False where
@@ -293,7 +313,7 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
   for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {
     positions = y + d;
     potential_gradient(cloth, weights, positions, d, gradient, past);
-    if (!find_step(cloth, weights, past)) {
+    if (!find_step(cloth, past)) {
       d.setConstant(std::numeric_limits<double>::quiet_NaN());
       return iteration;
     }

@@ -130,14 +130,15 @@ Motion motion_of(const SimulationSpec& spec, const Cloth& cloth,
 /// A method that `auto` may take: the others are worse than one of these at every cost and error
 /// (docs/benchmarks.md). A method that handles impulses of contact and the strain limit badly is
 /// taken where springs alone act. Errors [m] over the horizon for a substep of h [s], and CPU
-/// seconds per substep, are fits to measurements, of a theoretical form where there is one.
+/// seconds per substep of omega_h = omega_max h, are fits to measurements, of a theoretical form
+/// where there is one.
 struct Candidate {
   const char* method;
   bool takes_impulses;
   bool damps_fast_waves;
   bool softens;  // makes springs too soft, which hardly shows in the error of positions
   double (*error)(const Motion&, double h);
-  double (*cost)(double springs, double points);
+  double (*cost)(double springs, double points, double omega_h);
 };
 
 /// Error in this scene from the `error` of springs in a cloth that is held all the time. Phase
@@ -181,16 +182,22 @@ double xpbd_error(const Motion& m, double h) {
   return m.gravity * h * horizon * (m.only_lines ? of_lines : otherwise);
 }
 
+/// Two Newton steps by conjugate gradients, whose steps grow with omega h, the square root of the
+/// condition number, up to a multiple of the points along the cloth. Fitted within a factor of
+/// three to cloths of 10 x 10 to 100 x 100 points and strips of 3 x 51, at omega h of 3 to 15000.
+double bdf2_cost(double, double points, double omega_h) {
+  return points * (1.5e-6 + std::min(6e-8 * std::pow(omega_h, 0.9), 5e-7 * std::sqrt(points)));
+}
+
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> all = {
       {VelocityVerlet::name, true, false, false, verlet_error,
-       [](double s, double) { return 0.9e-9 * s; }},
+       [](double s, double, double) { return 0.9e-9 * s; }},
       {RungeKutta4::name, false, false, false, rk4_error,
-       [](double s, double) { return 3.8e-9 * s; }},
-      {Xpbd::name, true, true, true, xpbd_error, [](double s, double) { return 1.9e-8 * s; }},
-      // Two factorisations of the grid's matrix a step.
-      {Bdf2::name, false, true, false, bdf2_error,
-       [](double, double p) { return 0.85e-6 * std::pow(p, 1.5); }},
+       [](double s, double, double) { return 3.8e-9 * s; }},
+      {Xpbd::name, true, true, true, xpbd_error,
+       [](double s, double, double) { return 1.9e-8 * s; }},
+      {Bdf2::name, false, true, false, bdf2_error, bdf2_cost},
   };
   return all;
 }
@@ -247,23 +254,26 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
   const auto is_off = [&](int n) {
     return error_of(c, motion, dt / n).value_or(0) > spec.tolerance;
   };
-  const double step_cost =  // without contact
-      c.cost(cloth.num_links(), cloth.num_points()) +
-      (cloth.strain_limit ? point_cost * cloth.num_points() : 0);
-  const double affordable_steps = 1 / (spec.frames_per_second * step_cost);
+  const auto step_cost = [&](int n) {  // without contact
+    return c.cost(cloth.num_links(), cloth.num_points(), motion.omega_max * dt / n) +
+           (cloth.strain_limit ? point_cost * cloth.num_points() : 0);
+  };
+  const auto is_affordable = [&](int n) { return n * spec.frames_per_second * step_cost(n) <= 1; };
 
   int n = needed;
   if (spec.substeps) {
     n = *spec.substeps;
   } else {
     // As many as the tolerance requires and real time allows.
-    const int affordable = static_cast<int>(std::clamp(
-        affordable_steps, static_cast<double>(needed), static_cast<double>(max_substeps)));
-    while (is_off(n) && n < affordable) n = std::min(n + (n + 7) / 8, affordable);
+    for (int next = n; is_off(n) && next < max_substeps; n = next) {
+      next = std::min(n + (n + 7) / 8, int{max_substeps});
+      if (!is_affordable(next)) break;
+    }
   }
   const std::optional<double> error = error_of(c, motion, dt / n);
   const bool stable = n < max_substeps && motion.omega_max * dt / n < stability_limit;
-  const double cost = n * spec.frames_per_second * (step_cost + cost_of_contact(cloth, colliders));
+  const double steps = n * spec.frames_per_second;
+  const double cost = steps * (step_cost(n) + cost_of_contact(cloth, colliders));
   return {&c,
           n,
           error,
@@ -271,11 +281,11 @@ Offer offer_of(const Candidate& c, const SimulationSpec& spec, const Cloth& clot
           cost,
           stable,
           error && !is_off(n),
-          n <= affordable_steps};
+          is_affordable(n)};
 }
 
 /// The choice of the scene. Its cost is that of the candidate with similar steps: implicit methods
-/// factorise, explicit ones sum forces.
+/// solve systems, explicit ones sum forces.
 MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
                           const std::vector<ColliderSpec>& colliders) {
   const double limit = stability_limit_of(spec.method);
@@ -289,7 +299,8 @@ MethodChoice named_choice(const SimulationSpec& spec, const Cloth& cloth,
   const auto candidate = std::find_if(candidates().begin(), candidates().end(), steps_alike);
   assert(candidate != candidates().end());
   const double steps = spec.frames_per_second * spec.substeps.value_or(choice.min_substeps);
-  choice.predicted_cost = steps * candidate->cost(cloth.num_links(), cloth.num_points());
+  const double omega_h = omega_max_bound(cloth, cloth.rest_positions) / steps;
+  choice.predicted_cost = steps * candidate->cost(cloth.num_links(), cloth.num_points(), omega_h);
   choice.is_feasible = *choice.predicted_cost <= 1;
   return choice;
 }

@@ -207,7 +207,7 @@ bool Simulator::Impl::is_beyond_stability(double h) const {
 }
 
 bool Simulator::Impl::follows_tension() const {
-  // Implicit methods keep one step: a change costs them a factorisation or their history.
+  // Implicit methods keep one step: a change costs bdf2 its history.
   return strain_limit && !scene.simulation.substeps && std::isfinite(method->stability_limit());
 }
 

@@ -65,7 +65,7 @@ TEST(MethodChoice, ForetellsWhetherANamedMethodKeepsUp) {
   for (const char* name : {"bdf2", "implicit_euler"}) {
     scene.simulation.method = name;
     EXPECT_FALSE(choice(scene).is_feasible) << name;
-    EXPECT_GT(choice(scene).predicted_cost.value(), 10) << name;
+    EXPECT_GT(choice(scene).predicted_cost.value(), 1) << name;
   }
   for (const char* name : {"verlet", "symplectic_euler", "rk4", "xpbd"}) {
     scene.simulation.method = name;
@@ -121,7 +121,7 @@ TEST(MethodChoice, KeepsAGivenCountAndTakesAMethodStableWithIt) {
     EXPECT_EQ(choice(scene).method, "verlet");
     scene.simulation.substeps = 2;
     const MethodChoice c = choice(scene);
-    EXPECT_EQ(c.method, "xpbd");
+    EXPECT_EQ(c.method, limited ? "xpbd" : "bdf2");
     EXPECT_EQ(c.min_substeps, 2);
   }
 }

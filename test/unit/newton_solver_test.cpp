@@ -8,6 +8,7 @@
 #include "clothsim/dynamics/hessian.h"
 #include "clothsim/dynamics/incremental_potential.h"
 #include "clothsim/dynamics/spring_system.h"
+#include "clothsim/dynamics/springs.h"
 #include "verification/testing.h"
 
 namespace clothsim::newton_solver_test {
@@ -66,9 +67,23 @@ Eigen::MatrixXd dense_matrix(const Cloth& cloth, const Points& x, double weight)
   return matrix;
 }
 
+/// The system of a Newton step, by springs of a cloth shaken by 5 cm.
+void set_up(const Cloth& cloth, double weight, SpringSystem& system) {
+  const Points x = shaken(cloth, 0.05, 1);
+  system.begin(cloth);
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    system.add_to_point(i, weight * Matrix3::Identity());
+  }
+  int id = 0;
+  for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
+    const Vector3 d = x.row(b) - x.row(a);
+    system.add_pair(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
+  });
+}
+
 TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
   // Also when used again for a cloth with other springs, of as many points.
-  SpringSystem<3> system;
+  SpringSystem system;
   std::vector<ClothSpec> specs = {square_spec(5), square_spec(5), square_spec(3)};
   specs[1].material.springs = {true, false, true};
   specs[2].columns = 12;
@@ -76,36 +91,85 @@ TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
   for (const ClothSpec& spec : specs) {
     const Cloth cloth = make_grid(spec);
     const int n = cloth.num_points();
-    const Points x = shaken(cloth, 0.05, 1);
     const double weight = 3;
-    system.begin(cloth);
-    for (int i = 0; i < n; ++i) system.add_to_point(i, weight * Eigen::Matrix3d::Identity());
-    int id = 0;
-    for_each_spring(cloth, [&](const SpringRun& run, int a, int b) {
-      const Vector3 d = x.row(b) - x.row(a);
-      system.add_pair(id++, a, b, spring_hessian(run.stiffness, run.rest_length, d, 0));
-    });
-    ASSERT_TRUE(system.factorize());
-    const Eigen::VectorXd rhs = random_points(n, 1, 2).reshaped();
-    const Eigen::VectorXd solution = system.solve(rhs);
-    const Eigen::VectorXd expected = dense_matrix(cloth, x, weight).llt().solve(rhs);
-    EXPECT_LT((solution - expected).norm(), 1e-9 * expected.norm());
+    set_up(cloth, weight, system);
+    const Points rhs = random_points(n, 1, 2);
+    const Eigen::MatrixXd matrix = dense_matrix(cloth, shaken(cloth, 0.05, 1), weight);
+    const Eigen::VectorXd expected = matrix.llt().solve(rhs.transpose().reshaped());
+    Points by_factors, by_gradients, either;
+    ASSERT_TRUE(system.solve_by_factors(rhs, by_factors));
+    EXPECT_LT((by_factors.transpose().reshaped() - expected).norm(), 1e-9 * expected.norm());
+    ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, by_gradients));
+    const Eigen::VectorXd error = by_gradients.transpose().reshaped() - expected;
+    EXPECT_LT(std::sqrt(error.dot(matrix * error)),
+              2e-3 * std::sqrt(expected.dot(matrix * expected)));
+    ASSERT_TRUE(system.solve(rhs, either));
+    EXPECT_LT((either - by_factors).norm(), 0.01 * expected.norm());
+    EXPECT_FALSE(system.solve_by_gradients(rhs, 2, either));
   }
+}
+
+TEST(SpringSystem, FactorisesWhereGradientsTakeLonger) {
+  // A strip of three columns, whose factors are narrow, a thousandth as heavy as stiff.
+  ClothSpec spec = square_spec(3);
+  spec.rows = 51;
+  const Cloth cloth = make_grid(spec);
+  SpringSystem system;
+  set_up(cloth, 1e-3 * spec.material.ks, system);
+  const Points rhs = random_points(cloth.num_points(), 1, 2);
+  Points either, by_factors, by_gradients;
+  ASSERT_TRUE(system.solve(rhs, either));
+  ASSERT_TRUE(system.solve_by_factors(rhs, by_factors));
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, by_gradients));
+  EXPECT_EQ(either, by_factors);
+  EXPECT_NE(either, by_gradients);
+}
+
+TEST(SpringSystem, SolvesEachPieceAsIfAlone) {
+  // Shear springs alone join the points of a chessboard's black squares, and of its white ones.
+  ClothSpec spec = square_spec(12);
+  spec.material.springs = {false, true, false};
+  const Cloth cloth = make_grid(spec);
+  SpringSystem system;
+  set_up(cloth, 0.1 * spec.material.ks, system);
+  ASSERT_EQ(system.pieces().size(), 2u);
+  Points rhs = random_points(cloth.num_points(), 1, 2), both, one;
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, both));
+  const SpringSystem::Span& white = system.pieces()[1];
+  for (int r = white.begin; r < white.end; ++r) {
+    rhs.row(system.points()[static_cast<std::size_t>(r)]) *= 1e-6;
+  }
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, one));
+  for (int r = 0; r < cloth.num_points(); ++r) {
+    const int i = system.points()[static_cast<std::size_t>(r)];
+    const double scale = r < white.begin ? 1 : 1e-6;
+    EXPECT_LT((one.row(i) - scale * both.row(i)).norm(), 1e-12 * scale * both.norm()) << i;
+  }
+}
+
+TEST(SpringSystem, SolvesForNoForce) {
+  const Cloth cloth = make_grid(square_spec(3));
+  SpringSystem system;
+  system.begin(cloth);
+  for (int i = 0; i < 9; ++i) system.add_to_point(i, Matrix3::Identity());
+  Points solution;
+  EXPECT_TRUE(system.solve(Points::Zero(9, 3), solution));
+  EXPECT_EQ(solution, Points::Zero(9, 3));
 }
 
 TEST(SpringSystem, SaysWhenTheMatrixIsNotPositiveDefinite) {
   const Cloth cloth = make_grid(square_spec(3));
-  SpringSystem<1> system;
-  const auto factorizes = [&](double diagonal) {
+  SpringSystem system;
+  Points solution;
+  const auto solves = [&](double diagonal) {
     system.begin(cloth);
-    for (int i = 0; i < 9; ++i) {
-      system.add_to_point(i, SpringSystem<1>::Block(i == 4 ? diagonal : 1));
-    }
-    return system.factorize();
+    for (int i = 0; i < 9; ++i)
+      system.add_to_point(i, (i == 4 ? diagonal : 1) * Matrix3::Identity());
+    return system.solve(random_points(9, 1, 3), solution);
   };
-  EXPECT_TRUE(factorizes(1));
-  EXPECT_FALSE(factorizes(-1));
-  EXPECT_FALSE(factorizes(std::nan("")));
+  EXPECT_TRUE(solves(1));
+  EXPECT_FALSE(solves(-1));
+  EXPECT_FALSE(solves(std::nan("")));
 }
 
 TEST(NewtonSolver, LeavesNoForce) {
@@ -154,6 +218,21 @@ TEST(NewtonSolver, KeepsMomentumHoweverFewTheSteps) {
     EXPECT_GT(d.norm(), 1e-3);
     EXPECT_LT((d.transpose() * weights).norm(), 1e-9 * weights.sum() * d.norm());
   }
+}
+
+TEST(NewtonSolver, KeepsTheMomentumOfAFreePieceBesideAPinnedOne) {
+  ClothSpec spec = square_spec(8);
+  spec.material.springs = {false, true, false};  // two pieces, see above
+  spec.pinned = {{0, 0, ""}};
+  const Cloth cloth = make_grid(spec);
+  const Scalars weights = weights_of(cloth, 0.01);
+  Points d;
+  NewtonSolver solver{NewtonSolver::Parameters()};
+  solver.solve(cloth, weights, shaken(cloth, 0.02, 1), d);
+  Vector3 moved[2] = {Vector3::Zero(), Vector3::Zero()};
+  for (int i = 0; i < cloth.num_points(); ++i) moved[(i / 8 + i % 8) % 2] += weights[i] * row(d, i);
+  EXPECT_GT(moved[0].norm(), 1e-5 * weights.sum() * d.norm());  // the pin's piece
+  EXPECT_LT(moved[1].norm(), 1e-12 * weights.sum() * d.norm());
 }
 
 TEST(NewtonSolver, ASpringOfItsRestLengthStays) {

@@ -14,9 +14,9 @@ namespace clothsim {
 /// as every implicit step does (Martin et al. 2011, "Example-based elastic materials", 3.2).
 ///
 /// Newton's method with clamped spring Hessians, so that the matrix is positive definite, and
-/// backtracking on the potential (Nocedal & Wright, Numerical Optimization, 3.1). The matrix is
-/// factorised by Eigen's sparse L D L^T; its ordering and pattern are kept while the springs join
-/// the same points. Every step leaves the momentum sum of w d at zero without pins.
+/// backtracking on the potential (Nocedal & Wright, Numerical Optimization, 3.1). Steps are
+/// inexact, see SpringSystem: their error is some hundredth of them. Every step leaves the momentum
+/// sum of w d of each piece of cloth without pins at zero.
 class NewtonSolver {
  public:
   struct Parameters {

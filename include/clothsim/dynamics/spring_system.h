@@ -2,143 +2,99 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <vector>
 
-#include "clothsim/dynamics/bends.h"
-#include "clothsim/dynamics/cells.h"
-#include "clothsim/dynamics/springs.h"
 #include "clothsim/model/cloth.h"
+#include "clothsim/model/types.h"
 
 namespace clothsim {
 
-/// A symmetric positive definite system over the points of a cloth, with a Size x Size block for
-/// each point and each pair that a spring, a bend or a cell joins. Pins have the unit block,
-/// without springs.
+/// A symmetric positive definite system over the points of a cloth, with a 3 x 3 block for each
+/// point and each pair that a spring, a bend or a cell joins. Pins have the unit block, without
+/// springs.
 ///
-/// Solved by Eigen's L D L^T with approximate minimum degree ordering. At 50 x 50 points with
-/// blocks of 3 it factorises in 46 ms; CHOLMOD of SuiteSparse takes 69 ms (supernodal) and 60 ms
-/// (simplicial) with Debian's plain BLAS, and 38 ms with OpenBLAS, which would be one more
-/// dependency.
-template <int Size>
+/// Solved by conjugate gradients, or by Eigen's L D L^T with approximate minimum degree ordering
+/// where they take longer: at 50 x 50 points 10 to 1000 steps of 0.05 ms, and 67 ms.
 class SpringSystem {
  public:
-  using Block = Eigen::Matrix<double, Size, Size>;
-
   /// Sets all to zero, and lays out the matrix again where the joined points have changed.
-  void begin(const Cloth& cloth) {
-    Joints joints{{cloth.num_points(), static_cast<int>(cloth.springs.size()),
-                   static_cast<int>(cloth.bends.size())}};
-    for (const SpringRun& run : cloth.springs) joints.push_back({run.first, run.offset, run.count});
-    for (const BendRun& run : cloth.bends) {
-      joints.push_back({run.first, run.a, run.count});
-      joints.push_back({run.first, run.b, run.count});
-    }
-    for (const CellRun& run : cloth.cells) {
-      joints.push_back({run.first, run.a, run.count});
-      joints.push_back({run.first, run.b, run.count});
-    }
-    if (cloth.is_mesh()) {
-      for (const auto& pair : cloth.triangle_fabric->pairs) joints.push_back({pair.i, pair.j, 1});
-    }
-    if (joints != joints_) {
-      joints_ = std::move(joints);
-      lay_out(cloth);
-    }
-    std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
-  }
+  void begin(const Cloth& cloth);
 
-  void add_to_point(int i, const Block& block) {
-    for (int c = 0; c < Size; ++c) {
-      double* values = column(i, c);
-      for (int r = c; r < Size; ++r) values[r - c] += block(r, c);
-    }
-  }
+  void add_to_point(int i, const Matrix3& block);
 
   /// Adds pair `id`, in the order of for_each_spring, for_each_bent_pair and for_each_cell (there
   /// of corners 0 1, 0 2, 1 2, 0 3, 1 3, 2 3), of free points a < b: `block` to both points,
   /// -`block` between them.
-  void add_pair(int id, int a, int b, const Block& block) {
-    add_to_point(a, block);
-    add_to_point(b, block);
-    add_between(id, a, -block);
-  }
+  void add_pair(int id, int a, int b, const Matrix3& block);
 
   /// Adds `block` in the rows of the pair's point b and the columns of its point a, and its
   /// transpose in the upper half.
-  void add_between(int id, int a, const Block& block) {
-    const int rank = ranks_[static_cast<std::size_t>(id)];
-    for (int c = 0; c < Size; ++c) {
-      double* values = column(a, c) + (Size - c) + Size * rank;
-      for (int r = 0; r < Size; ++r) values[r] += block(r, c);
-    }
-  }
+  void add_between(int id, int a, const Matrix3& block);
 
-  /// False where the matrix is not positive definite in floating point.
-  bool factorize() {
-    solver_.factorize(matrix_);
-    return solver_.info() == Eigen::Success && (solver_.vectorD().array() > 0).all();
-  }
+  /// Rows [begin, end).
+  struct Span {
+    int begin;
+    int end;
+  };
+  /// The parts that nothing joins, in rows: row r is that of point points()[r].
+  const std::vector<Span>& pieces() const { return pieces_; }
+  const std::vector<int>& points() const { return points_; }
 
-  template <typename Rhs>
-  auto solve(const Rhs& rhs) const {
-    return solver_.solve(rhs);
-  }
+  /// Solves for `rhs`, N x 3: by conjugate gradients for as long as a factorisation takes, then by
+  /// that. False where neither succeeds, as for most matrices that are not positive definite.
+  bool solve(const Points& rhs, Points& solution);
+
+  /// By conjugate gradients, preconditioned by the inverse blocks of the points (Saad 2003,
+  /// "Iterative Methods for Sparse Linear Systems", 9.2), piece by piece, until the error's energy
+  /// norm is estimated at a thousandth of the solution's. False where a piece takes more than
+  /// `max_steps`, or a direction shows that the matrix is not positive definite.
+  bool solve_by_gradients(const Points& rhs, int max_steps, Points& solution);
+
+  /// By factorisation. False where the matrix is not positive definite in floating point.
+  bool solve_by_factors(const Points& rhs, Points& solution);
 
  private:
   using Joints = std::vector<std::array<int, 3>>;
 
-  double* column(int point, int c) {
-    return matrix_.valuePtr() + matrix_.outerIndexPtr()[Size * point + c];
-  }
+  struct Factors : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> {
+    /// Sum of squares of the numbers of entries in each column of L.
+    double work() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
+  };
 
+  double* block(int number);
+  const double* block(int number) const;
+  std::size_t row_of(int point) const {
+    return static_cast<std::size_t>(rows_[static_cast<std::size_t>(point)]);
+  }
+  void lay_out(const Cloth& cloth);
+  void lay_out_rows(const Cloth& cloth);
+  void lay_out_matrix();
   template <typename Visitor>
-  static void for_each_joint(const Cloth& cloth, Visitor&& visit) {
-    for_each_spring(cloth, [&](const SpringRun&, int a, int b) { visit(a, b); });
-    for_each_bent_pair(cloth, [&](double, int a, int b) { visit(a, b); });
-    for_each_cell(cloth, [&](const Cell& cell) {
-      for (std::size_t l = 0; l < cell.corners.size(); ++l) {
-        for (std::size_t k = 0; k < l; ++k) visit(cell.corners[k], cell.corners[l]);
-      }
-    });
-  }
+  void for_each_entry(Visitor&& visit) const;
+  bool invert_points();
+  bool solve_piece(const Span& piece, int max_steps, const Eigen::VectorXd& rhs,
+                   Eigen::VectorXd& x) const;
+  /// Four numbers a row, the last 0, and back to N x 3.
+  Eigen::VectorXd in_rows(const Points&) const;
+  Points by_points(const Eigen::VectorXd& rows) const;
 
-  void lay_out(const Cloth& cloth) {
-    // Entries below the diagonal: for each point the other ends, ascending.
-    const int n = cloth.num_points();
-    std::vector<std::vector<int>> ends(static_cast<std::size_t>(n));
-    for_each_joint(cloth, [&](int a, int b) { ends[static_cast<std::size_t>(a)].push_back(b); });
-    for (std::vector<int>& list : ends) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
+  Joints joints_;  // of the layout
+  std::vector<int> points_;
+  std::vector<int> rows_;  // by point
+  std::vector<Span> pieces_;
+  std::vector<int> ranks_;   // by pair: place of b among the ends of a
+  std::vector<int> firsts_;  // by row: number of its own block, then those of its pairs with later
+                             // rows, ascending; and the number of all
+  std::vector<int> ends_;    // by block: its later row
+  std::vector<double> blocks_;
+  std::vector<double> inverses_;  // of the points' blocks
 
-    ranks_.clear();
-    for_each_joint(cloth, [&](int a, int b) {
-      const std::vector<int>& list = ends[static_cast<std::size_t>(a)];
-      const auto place = std::lower_bound(list.begin(), list.end(), b);
-      ranks_.push_back(static_cast<int>(place - list.begin()));
-    });
-
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int a = 0; a < n; ++a) {
-      for (int c = 0; c < Size; ++c) {
-        for (int r = c; r < Size; ++r) entries.emplace_back(Size * a + r, Size * a + c, 1.0);
-        for (const int b : ends[static_cast<std::size_t>(a)]) {
-          for (int r = 0; r < Size; ++r) entries.emplace_back(Size * b + r, Size * a + c, 1.0);
-        }
-      }
-    }
-    matrix_.resize(Size * n, Size * n);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    solver_.analyzePattern(matrix_);
-  }
-
-  Joints joints_;                       // of the layout
-  std::vector<int> ranks_;              // by pair: place of b among the ends of a
+  // For factorisation.
   Eigen::SparseMatrix<double> matrix_;  // lower half
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;
+  Factors factors_;
+  int max_steps_ = 0;  // of conjugate gradients in the same time
 };
 
 }  // namespace clothsim

@@ -59,7 +59,7 @@ Scene drape(int side) {
 }
 
 /// A strip of three columns, held at one end: with the stiffness of steel, the explicit step is far
-/// below the step for the swing, and a factorisation is cheap.
+/// below the step for the swing.
 Scene ribbon(double ks) {
   constexpr int rows = 51;
   Scene scene = corner_drop(rows);
