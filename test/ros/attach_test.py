@@ -30,13 +30,19 @@ class Hands:
     def __init__(self):
         self.broadcaster = StaticTransformBroadcaster()
         self.places = {}
+        self.marks = 0
 
     def put(self, frame, place, angle=0.0):
         self.places[frame] = (place, angle)
 
     def send(self):
+        """Returns the name of a new frame: where the node knows that one, it has all of this message."""
+        self.marks += 1
+        mark = "mark_" + str(self.marks)
         self.broadcaster.sendTransform(
-            [make_transform(frame, place, angle) for frame, (place, angle) in self.places.items()])
+            [make_transform(frame, place, angle) for frame, (place, angle) in self.places.items()] +
+            [make_transform(mark, (0, 0, 90), 0)])
+        return mark
 
 
 class Grasp(unittest.TestCase):
@@ -53,8 +59,11 @@ class Grasp(unittest.TestCase):
         self.hands.put("left", (0, 0, 1))
         self.hands.put("right", (1, 0, 1))
         self.hands.put("far", (0, 0, 50))
-        self.hands.send()
-        time.sleep(0.1)
+        self.send_hands()
+
+    def send_hands(self):
+        mark = self.hands.send()
+        wait_for(lambda: "no point" in self.attach(mark, radius=1e-6).message, "the hands' frames")
 
     def attach(self, frame, points=(), radius=0.0, tear_force=0.0, strength=0.0, places="", cloth=""):
         return call("/clothsim/attach", Attach, frame, points, radius, tear_force, strength, places, cloth)
@@ -70,8 +79,7 @@ class Grasp(unittest.TestCase):
 
     def carry(self):
         """One frame of simulation after the hands' frames are set."""
-        self.hands.send()
-        time.sleep(0.02)
+        self.send_hands()
         return positions(self.cloth.step(1))
 
     def test_0_a_frame_that_was_broadcast_once(self):
@@ -161,8 +169,7 @@ class Grasp(unittest.TestCase):
     def test_wrench_is_in_the_frame(self):
         """The world's x is -y of a frame turned by 90 degrees about z."""
         self.hands.put("left", (0, 0, 1), math.pi / 2)
-        self.hands.send()
-        time.sleep(0.1)
+        self.send_hands()
         left = self.hang()["left"]
         self.assertLess(left[1], -5)
         self.assertAlmostEqual(left[0], 0, delta=0.01)
@@ -224,8 +231,7 @@ class Grasp(unittest.TestCase):
 
     def test_no_wrench_without_points(self):
         self.hands.put("passing", (0, 0, 1))
-        self.hands.send()
-        time.sleep(0.1)
+        self.send_hands()
         for let_go in (self.detach, self.cloth.reset):
             self.assertEqual(list(self.wrench_after("passing", let_go)), [0, 0, 0])
 
