@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "clothsim/dynamics/bends.h"
@@ -18,6 +19,9 @@ namespace {
 
 /// Shortest step tried, of Newton's. Below it is lost in rounding.
 constexpr double shortest_step = std::numeric_limits<double>::epsilon();
+
+/// Errors of a step that do not count, of the tolerance.
+constexpr double step_precision = 0.01;
 
 /// Longest spring [m], or with bends alone the distance of two neighbours.
 double longest_link(const Cloth& cloth) {
@@ -49,7 +53,7 @@ struct NewtonSolver::Impl {
   int solve(const Cloth& cloth, const Scalars& weights, const Points& y, const Past& past,
             Points& d);
   void share_inertia(const Cloth& cloth, const Scalars& weights);
-  bool find_step(const Cloth& cloth, const Past& past);
+  bool find_step(const Cloth& cloth, const Past& past, double small);
   void keep_momentum();
   double bearable(int a, int b) const { return 1 / (1 / spare[a] + 1 / spare[b]); }
   void add_springs(const Cloth& cloth, const Past& past);
@@ -244,8 +248,9 @@ void NewtonSolver::Impl::add_curved(const Cloth& cloth, const Past& past) {
   }
 }
 
-/// Newton's step from `positions` and `gradient`. False where there is none.
-bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Past& past) {
+/// Newton's step from `positions` and `gradient`, at least to some hundredth of a `small` step [m].
+/// False where there is none.
+bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Past& past, double small) {
   system.begin(cloth);
   for (int i = 0; i < cloth.num_points(); ++i) {
     system.add_to_point(i, (inertia[i] > 0 ? inertia[i] : 1) * Eigen::Matrix3d::Identity());
@@ -258,7 +263,9 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Past& past) {
   }
   add_bends(cloth, past);
   if (cloth.is_mesh()) add_curved(cloth, past);
-  if (!system.solve(-gradient, step)) return false;
+  // A point of inertia w that is off by e has an energy of w e^2.
+  const double lightest = (inertia.array() > 0).select(inertia, infinity).minCoeff();
+  if (!system.solve(-gradient, lightest * std::pow(step_precision * small, 2), step)) return false;
   keep_momentum();
   return true;
 }
@@ -313,7 +320,7 @@ int NewtonSolver::Impl::solve(const Cloth& cloth, const Scalars& weights, const 
   for (int iteration = 1; iteration <= parameters.max_iterations; ++iteration) {
     positions = y + d;
     potential_gradient(cloth, weights, positions, d, gradient, past);
-    if (!find_step(cloth, past)) {
+    if (!find_step(cloth, past, small)) {
       d.setConstant(std::numeric_limits<double>::quiet_NaN());
       return iteration;
     }

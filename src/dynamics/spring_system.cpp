@@ -168,9 +168,9 @@ void SpringSystem::add_between(int id, int a, const Matrix3& block_of_pair) {
   add(block_of_pair, block(firsts_[row_of(a)] + 1 + rank));
 }
 
-bool SpringSystem::solve(const Points& rhs, Points& solution) {
+bool SpringSystem::solve(const Points& rhs, double negligible, Points& solution) {
   const bool by_gradients =
-      max_steps_ > gradients_delay && solve_by_gradients(rhs, max_steps_, solution);
+      max_steps_ > gradients_delay && solve_by_gradients(rhs, negligible, max_steps_, solution);
   return by_gradients || solve_by_factors(rhs, solution);
 }
 
@@ -187,19 +187,20 @@ bool SpringSystem::invert_points() {
   return true;
 }
 
-bool SpringSystem::solve_by_gradients(const Points& rhs, int max_steps, Points& solution) {
+bool SpringSystem::solve_by_gradients(const Points& rhs, double negligible, int max_steps,
+                                      Points& solution) {
   if (!invert_points()) return false;
   const Eigen::VectorXd right = in_rows(rhs);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size());
   for (const Span& piece : pieces_) {
-    if (!solve_piece(piece, max_steps, right, x)) return false;
+    if (!solve_piece(piece, negligible, max_steps, right, x)) return false;
   }
   solution = by_points(x);
   return solution.allFinite();
 }
 
-bool SpringSystem::solve_piece(const Span& piece, int max_steps, const Eigen::VectorXd& rhs,
-                               Eigen::VectorXd& x) const {
+bool SpringSystem::solve_piece(const Span& piece, double negligible, int max_steps,
+                               const Eigen::VectorXd& rhs, Eigen::VectorXd& x) const {
   const int begin = 4 * piece.begin, size = 4 * (piece.end - piece.begin);
   const auto of_piece = [&](auto& vector) { return vector.segment(begin, size); };
   Eigen::VectorXd residual = rhs, conditioned(rhs.size()), product(rhs.size());
@@ -217,7 +218,9 @@ bool SpringSystem::solve_piece(const Span& piece, int max_steps, const Eigen::Ve
   double all_gains = 0;
   for (int step = 0; square > 0; ++step) {
     const double last_gains = std::accumulate(gains.begin(), gains.end(), 0.0);
-    if (last_gains <= gradients_precision * gradients_precision * all_gains) return true;
+    if (last_gains <= std::max(negligible, gradients_precision * gradients_precision * all_gains)) {
+      return true;
+    }
     if (step == max_steps) return false;
     multiply(piece.begin, piece.end, firsts_.data(), ends_.data(), blocks_.data(), direction.data(),
              product.data());

@@ -99,13 +99,13 @@ TEST(SpringSystem, SolvesWhatADenseMatrixSolves) {
     Points by_factors, by_gradients, either;
     ASSERT_TRUE(system.solve_by_factors(rhs, by_factors));
     EXPECT_LT((by_factors.transpose().reshaped() - expected).norm(), 1e-9 * expected.norm());
-    ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, by_gradients));
+    ASSERT_TRUE(system.solve_by_gradients(rhs, 0, 1000, by_gradients));
     const Eigen::VectorXd error = by_gradients.transpose().reshaped() - expected;
     EXPECT_LT(std::sqrt(error.dot(matrix * error)),
               2e-3 * std::sqrt(expected.dot(matrix * expected)));
-    ASSERT_TRUE(system.solve(rhs, either));
+    ASSERT_TRUE(system.solve(rhs, 0, either));
     EXPECT_LT((either - by_factors).norm(), 0.01 * expected.norm());
-    EXPECT_FALSE(system.solve_by_gradients(rhs, 2, either));
+    EXPECT_FALSE(system.solve_by_gradients(rhs, 0, 2, either));
   }
 }
 
@@ -118,9 +118,9 @@ TEST(SpringSystem, FactorisesWhereGradientsTakeLonger) {
   set_up(cloth, 1e-3 * spec.material.ks, system);
   const Points rhs = random_points(cloth.num_points(), 1, 2);
   Points either, by_factors, by_gradients;
-  ASSERT_TRUE(system.solve(rhs, either));
+  ASSERT_TRUE(system.solve(rhs, 0, either));
   ASSERT_TRUE(system.solve_by_factors(rhs, by_factors));
-  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, by_gradients));
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 0, 1000, by_gradients));
   EXPECT_EQ(either, by_factors);
   EXPECT_NE(either, by_gradients);
 }
@@ -134,12 +134,12 @@ TEST(SpringSystem, SolvesEachPieceAsIfAlone) {
   set_up(cloth, 0.1 * spec.material.ks, system);
   ASSERT_EQ(system.pieces().size(), 2u);
   Points rhs = random_points(cloth.num_points(), 1, 2), both, one;
-  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, both));
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 0, 1000, both));
   const SpringSystem::Span& white = system.pieces()[1];
   for (int r = white.begin; r < white.end; ++r) {
     rhs.row(system.points()[static_cast<std::size_t>(r)]) *= 1e-6;
   }
-  ASSERT_TRUE(system.solve_by_gradients(rhs, 1000, one));
+  ASSERT_TRUE(system.solve_by_gradients(rhs, 0, 1000, one));
   for (int r = 0; r < cloth.num_points(); ++r) {
     const int i = system.points()[static_cast<std::size_t>(r)];
     const double scale = r < white.begin ? 1 : 1e-6;
@@ -153,7 +153,7 @@ TEST(SpringSystem, SolvesForNoForce) {
   system.begin(cloth);
   for (int i = 0; i < 9; ++i) system.add_to_point(i, Matrix3::Identity());
   Points solution;
-  EXPECT_TRUE(system.solve(Points::Zero(9, 3), solution));
+  EXPECT_TRUE(system.solve(Points::Zero(9, 3), 0, solution));
   EXPECT_EQ(solution, Points::Zero(9, 3));
 }
 
@@ -165,7 +165,7 @@ TEST(SpringSystem, SaysWhenTheMatrixIsNotPositiveDefinite) {
     system.begin(cloth);
     for (int i = 0; i < 9; ++i)
       system.add_to_point(i, (i == 4 ? diagonal : 1) * Matrix3::Identity());
-    return system.solve(random_points(9, 1, 3), solution);
+    return system.solve(random_points(9, 1, 3), 0, solution);
   };
   EXPECT_TRUE(solves(1));
   EXPECT_FALSE(solves(-1));

@@ -44,13 +44,15 @@ class SpringSystem {
 
   /// Solves for `rhs`, N x 3: by conjugate gradients for as long as a factorisation takes, then by
   /// that. False where neither succeeds, as for most matrices that are not positive definite.
-  bool solve(const Points& rhs, Points& solution);
+  /// `negligible`: a square of the energy norm below which errors do not count, also in the next
+  /// function.
+  bool solve(const Points& rhs, double negligible, Points& solution);
 
   /// By conjugate gradients, preconditioned by the inverse blocks of the points (Saad 2003,
   /// "Iterative Methods for Sparse Linear Systems", 9.2), piece by piece, until the error's energy
   /// norm is estimated at a thousandth of the solution's. False where a piece takes more than
   /// `max_steps`, or a direction shows that the matrix is not positive definite.
-  bool solve_by_gradients(const Points& rhs, int max_steps, Points& solution);
+  bool solve_by_gradients(const Points& rhs, double negligible, int max_steps, Points& solution);
 
   /// By factorisation. False where the matrix is not positive definite in floating point.
   bool solve_by_factors(const Points& rhs, Points& solution);
@@ -74,7 +76,7 @@ class SpringSystem {
   template <typename Visitor>
   void for_each_entry(Visitor&& visit) const;
   bool invert_points();
-  bool solve_piece(const Span& piece, int max_steps, const Eigen::VectorXd& rhs,
+  bool solve_piece(const Span& piece, double negligible, int max_steps, const Eigen::VectorXd& rhs,
                    Eigen::VectorXd& x) const;
   /// Four numbers a row, the last 0, and back to N x 3.
   Eigen::VectorXd in_rows(const Points&) const;
