@@ -68,11 +68,12 @@ bool ColliderContacts::has_sunk(std::size_t number, const MovingCollider& collid
   bool result = false;
   faces_.for_each_on(static_cast<int>(number), [&](int triangle, const CornerWeights& weights,
                                                    const Vector3&, double) {
+    if (result) return;
     const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
     const Vector3 x = to_local(collider.pose(), weighted(positions, corners, weights));
     const double distance = signed_distance(collider.shape(), x, x).value +
                             leeway(cloth, corners, triangle_of(positions, corners), weights);
-    result = result || distance < cloth.offset_at(corners[0]) - sunk_depth;
+    result = distance < cloth.offset_at(corners[0]) - sunk_depth;
   });
   return result;
 }

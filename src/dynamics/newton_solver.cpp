@@ -274,7 +274,7 @@ bool NewtonSolver::Impl::find_step(const Cloth& cloth, const Past& past, double 
 /// zero: an inexact solution does not keep the sum by itself.
 void NewtonSolver::Impl::keep_momentum() {
   const std::vector<int>& points = system.points();
-  for (const SpringSystem::Span& piece : system.pieces()) {
+  for (const SpringSystem::Piece& piece : system.pieces()) {
     Vector3 sum = Vector3::Zero();  // of the displacement so far, and of the step
     double all = 0;
     bool is_free = true;

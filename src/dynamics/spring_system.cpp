@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -47,22 +48,13 @@ void add(const Matrix3& block, double* sum) {
 
 /// Piece of each point: joined ones have the same.
 std::vector<int> pieces_of(const Cloth& cloth) {
-  std::vector<int> parents(static_cast<std::size_t>(cloth.num_points()));
-  std::iota(parents.begin(), parents.end(), 0);
-  const auto root_of = [&](int point) {
-    int root = point;
-    while (parents[static_cast<std::size_t>(root)] != root) {
-      root = parents[static_cast<std::size_t>(root)];
-    }
-    while (point != root) point = std::exchange(parents[static_cast<std::size_t>(point)], root);
-    return root;
-  };
-  for_each_joint(cloth, [&](int a, int b) {
-    const int of_a = root_of(a), of_b = root_of(b);
-    parents[static_cast<std::size_t>(std::max(of_a, of_b))] = std::min(of_a, of_b);
-  });
-  for (int i = 0; i < cloth.num_points(); ++i) parents[static_cast<std::size_t>(i)] = root_of(i);
-  return parents;
+  boost::disjoint_sets_with_storage<> joined(static_cast<std::size_t>(cloth.num_points()));
+  for_each_joint(cloth, [&](int a, int b) { joined.union_set(a, b); });
+  std::vector<int> pieces;
+  for (int i = 0; i < cloth.num_points(); ++i) {
+    pieces.push_back(static_cast<int>(joined.find_set(i)));
+  }
+  return pieces;
 }
 
 }  // namespace
@@ -127,11 +119,12 @@ void SpringSystem::lay_out_rows(const Cloth& cloth) {
   });
   rows_.resize(points_.size());
   pieces_.clear();
-  int last = -1;
   for (int row = 0; row < cloth.num_points(); ++row) {
-    const int point = points_[static_cast<std::size_t>(row)];
-    rows_[static_cast<std::size_t>(point)] = row;
-    if (std::exchange(last, piece_of[static_cast<std::size_t>(point)]) != last) {
+    const auto point = static_cast<std::size_t>(points_[static_cast<std::size_t>(row)]);
+    rows_[point] = row;
+    if (row == 0 ||
+        piece_of[point] !=
+            piece_of[static_cast<std::size_t>(points_[static_cast<std::size_t>(row) - 1])]) {
       pieces_.push_back({row, row});
     }
     pieces_.back().end = row + 1;
@@ -192,14 +185,14 @@ bool SpringSystem::solve_by_gradients(const Points& rhs, double negligible, int 
   if (!invert_points()) return false;
   const Eigen::VectorXd right = in_rows(rhs);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size());
-  for (const Span& piece : pieces_) {
+  for (const Piece& piece : pieces_) {
     if (!solve_piece(piece, negligible, max_steps, right, x)) return false;
   }
   solution = by_points(x);
   return solution.allFinite();
 }
 
-bool SpringSystem::solve_piece(const Span& piece, double negligible, int max_steps,
+bool SpringSystem::solve_piece(const Piece& piece, double negligible, int max_steps,
                                const Eigen::VectorXd& rhs, Eigen::VectorXd& x) const {
   const int begin = 4 * piece.begin, size = 4 * (piece.end - piece.begin);
   const auto of_piece = [&](auto& vector) { return vector.segment(begin, size); };

@@ -135,7 +135,7 @@ TEST(SpringSystem, SolvesEachPieceAsIfAlone) {
   ASSERT_EQ(system.pieces().size(), 2u);
   Points rhs = random_points(cloth.num_points(), 1, 2), both, one;
   ASSERT_TRUE(system.solve_by_gradients(rhs, 0, 1000, both));
-  const SpringSystem::Span& white = system.pieces()[1];
+  const SpringSystem::Piece& white = system.pieces()[1];
   for (int r = white.begin; r < white.end; ++r) {
     rhs.row(system.points()[static_cast<std::size_t>(r)]) *= 1e-6;
   }

@@ -33,13 +33,12 @@ class SpringSystem {
   /// transpose in the upper half.
   void add_between(int id, int a, const Matrix3& block);
 
-  /// Rows [begin, end).
-  struct Span {
+  /// Rows [begin, end), which nothing joins to others. Row r is that of point points()[r].
+  struct Piece {
     int begin;
     int end;
   };
-  /// The parts that nothing joins, in rows: row r is that of point points()[r].
-  const std::vector<Span>& pieces() const { return pieces_; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
   const std::vector<int>& points() const { return points_; }
 
   /// Solves for `rhs`, N x 3: by conjugate gradients for as long as a factorisation takes, then by
@@ -76,7 +75,7 @@ class SpringSystem {
   template <typename Visitor>
   void for_each_entry(Visitor&& visit) const;
   bool invert_points();
-  bool solve_piece(const Span& piece, double negligible, int max_steps, const Eigen::VectorXd& rhs,
+  bool solve_piece(const Piece& piece, double negligible, int max_steps, const Eigen::VectorXd& rhs,
                    Eigen::VectorXd& x) const;
   /// Four numbers a row, the last 0, and back to N x 3.
   Eigen::VectorXd in_rows(const Points&) const;
@@ -85,7 +84,7 @@ class SpringSystem {
   Joints joints_;  // of the layout
   std::vector<int> points_;
   std::vector<int> rows_;  // by point
-  std::vector<Span> pieces_;
+  std::vector<Piece> pieces_;
   std::vector<int> ranks_;   // by pair: place of b among the ends of a
   std::vector<int> firsts_;  // by row: number of its own block, then those of its pairs with later
                              // rows, ascending; and the number of all
