@@ -184,7 +184,7 @@ double xpbd_error(const Motion& m, double h) {
 
 /// Two Newton steps by conjugate gradients, whose steps grow with omega h, the square root of the
 /// condition number, up to a multiple of the points along the cloth. Fitted within a factor of
-/// three to cloths of 10 x 10 to 100 x 100 points and strips of 3 x 51, at omega h of 3 to 15000.
+/// four to cloths of 10 x 10 to 100 x 100 points and strips of 3 x 51, at omega h of 3 to 15000.
 double bdf2_cost(double, double points, double omega_h) {
   return points * (1.5e-6 + std::min(6e-8 * std::pow(omega_h, 0.9), 5e-7 * std::sqrt(points)));
 }
