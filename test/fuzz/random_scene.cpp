@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "algebra.h"
 #include "clothsim/dynamics/integrator.h"
 #include "fuzz/draw.h"
 #include "meshes.h"
@@ -153,8 +154,7 @@ ColliderSpec random_collider(Draw& draw, const ClothSpec& cloth, int index, int 
     const Vector3 tilt = 0.3 * draw.direction();
     collider.pose.position = cloth.origin - draw.decades(1e-3, 1) * size * Vector3::UnitZ() -
                              tilt.norm() * size * Vector3::UnitZ();
-    collider.pose.orientation =
-        Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitZ() + tilt);
+    collider.pose.orientation = turn_between(Vector3::UnitZ(), Vector3::UnitZ() + tilt);
     return collider;
   }
   const double radius = bounding_radius(collider.shape);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "algebra.h"
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/dynamics/stretch.h"
 #include "clothsim/geometry/intersections.h"
@@ -356,8 +357,7 @@ TEST(SelfContact, TumbledInARoomThatTurns) {
   std::vector<Eigen::Quaterniond> walls;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
-      walls.push_back(
-          Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), sign * Vector3::Unit(axis)));
+      walls.push_back(turn_between(Vector3::UnitZ(), sign * Vector3::Unit(axis)));
     }
   }
   const auto wall = [&](std::size_t i, double angle) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "algebra.h"
 #include "verification/testing.h"
 
 namespace clothsim::collider_contacts_test {
@@ -146,8 +147,7 @@ TEST(ColliderContacts, ADrivenSphereTakesPointsAlong) {
 TEST(ColliderContacts, ABarThatTurnsFarInOneStepTakesAPointAlong) {
   // Along x it turns by 2.5 rad about z; the point is met at 1.2 rad.
   auto colliders = one(Capsule{1, 0.02});
-  const Eigen::Quaterniond along_x =
-      Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitX());
+  const Eigen::Quaterniond along_x = turn_between(Vector3::UnitZ(), Vector3::UnitX());
   colliders[0].place({Vector3::Zero(), along_x});
   colliders[0].set_target({Vector3::Zero(), Eigen::AngleAxisd(2.5, Vector3::UnitZ()) * along_x},
                           0.01);
@@ -176,7 +176,7 @@ TEST(ColliderContacts, AnImpulseOnAnEdgeMovesItsEndsByTheirMasses) {
   bar.shape = Capsule{4, radius};
   bar.friction = 0;
   bar.pose.position = {x, 0.5, 0};
-  bar.pose.orientation = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitY());
+  bar.pose.orientation = turn_between(Vector3::UnitZ(), Vector3::UnitY());
   std::vector<MovingCollider> colliders{MovingCollider(bar)};
   State state{cloth.rest_positions, Points::Zero(4, 3), 0};
   state.positions.col(2).setConstant(radius + surface_offset);

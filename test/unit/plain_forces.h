@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "algebra.h"
 #include "clothsim/dynamics/forces.h"
 #include "clothsim/model/cloth.h"
 #include "clothsim/model/workers.h"
@@ -65,7 +65,7 @@ inline double exact_omega(const Cloth& cloth, const Points& at) {
   const Eigen::VectorXd root = cloth.inv_mass.cwiseSqrt().replicate(3, 1);
   const Eigen::MatrixXd scaled =
       root.asDiagonal() * (matrix + matrix.transpose()) / 2 * root.asDiagonal();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff());
+  return std::sqrt(eigenvalues(scaled).maxCoeff());
 }
 
 }  // namespace clothsim::test

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/QR>
 #include <cmath>
 
+#include "algebra.h"
 #include "clothsim/dynamics/bend_rotation.h"
 #include "clothsim/dynamics/bends.h"
 
@@ -27,7 +27,7 @@ inline Vector3 plain_rotation(const Cloth& cloth, const Points& x, const Points&
   for_each_bent_pair(cloth, [&](double weight, int, int) { weights += weight; });
   turning.bottomRows<3>() = std::sqrt(weights) * min_bend * Eigen::Matrix3d::Identity();
   rates.tail<3>().setZero();
-  return turning.colPivHouseholderQr().solve(rates);
+  return solve(turning, rates);
 }
 
 }  // namespace clothsim::test

@@ -1,9 +1,9 @@
 #include "clothsim/dynamics/xpbd_lines.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <map>
 
+#include "algebra.h"
 #include "clothsim/dynamics/springs.h"
 #include "clothsim/dynamics/xpbd.h"
 #include "verification/testing.h"
@@ -51,7 +51,7 @@ struct DenseLine {
     Eigen::MatrixXd matrix = j * w.asDiagonal() * j.transpose();
     matrix.diagonal() += compliance;
     const Eigen::VectorXd change =
-        matrix.lu().solve(target - lengths - compliance.cwiseProduct(lambda));
+        test::solve(matrix, target - lengths - compliance.cwiseProduct(lambda));
     lambda += change;
 
     Eigen::MatrixXd laplacian = Eigen::MatrixXd::Zero(count, count);
@@ -67,7 +67,7 @@ struct DenseLine {
     }
     const Eigen::MatrixXd system =
         Eigen::MatrixXd::Identity(count, count) + inv_mass.asDiagonal() * laplacian;
-    const Points moves = system.lu().solve(inv_mass.asDiagonal() * forces);
+    const Points moves = test::solve(system, inv_mass.asDiagonal() * forces);
     const Points impulses = forces - laplacian * moves;
     for (Eigen::Index k = 0; k < count; ++k) {
       const int i = points[static_cast<std::size_t>(k)];

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "algebra.h"
 #include "verification/testing.h"
 
 namespace clothsim::lagged_contact_test {
@@ -30,8 +31,7 @@ Scene over_rod(const std::string& method, int substeps, double damping) {
   ColliderSpec rod;
   rod.name = "rod";
   rod.shape = Capsule{0.2, radius};
-  rod.pose = {{0, 0, middle},
-              Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3::UnitY())};
+  rod.pose = {{0, 0, middle}, turn_between(Vector3::UnitZ(), Vector3::UnitY())};
   rod.friction = 0.4;
   scene.colliders = {rod};
   scene.simulation.method = method;
