@@ -21,6 +21,7 @@ from cloth_client import PATIENCE, Cloth, Recorder, call, is_connected, make_tra
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OFF = {"speed": {"warning": "off", "error": "off"}}  # the computer may be busy
+OFTEN = {"diagnostic_period": 0.2}  # [s] for tests that wait for a report, whatever its period
 SMALL = {"cloth": {"columns": 12, "rows": 12}}
 HELD = {"cloth": {"columns": 12, "rows": 12,
                   "pinned": [[0, 0], {"point": [11, 0], "frame": "hand"}]}}
@@ -180,7 +181,7 @@ class Diagnostics(unittest.TestCase):
         """A pin is pulled away, farther than the cloth is long."""
         hand = tf2_ros.StaticTransformBroadcaster()
         hand.sendTransform(make_transform("hand", (0, 0, 0)))
-        with self.node(HELD, OFF) as node:
+        with self.node(HELD, OFF, **OFTEN) as node:
             wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000", "the frame")
             hand.sendTransform(make_transform("hand", (0.5, 0, 0)))
             values = node.wait(WARN, "mm: it pulls with all its")
@@ -192,7 +193,7 @@ class Diagnostics(unittest.TestCase):
         hand = tf2_ros.StaticTransformBroadcaster()
         for limits, level in ((OFF, ERROR), ({**OFF, "violation": {"error": 100}}, WARN)):
             hand.sendTransform(make_transform("hand", (0, 0, 0)))
-            with self.node(strong, limits) as node:
+            with self.node(strong, limits, **OFTEN) as node:
                 wait_for(lambda: node.wait(OK, "running")["tf age of hand [s]"] == "0.000",
                          "the frame")
                 seen = node.cloth.states.all()[-1].step
@@ -206,7 +207,7 @@ class Diagnostics(unittest.TestCase):
         scene = {"cloth": dict(SMALL["cloth"], self_collision=True)}
         for limits, level in (({}, WARN), ({"crossings": {"error": 0}}, ERROR),
                               ({"crossings": {"warning": 1000}}, OK)):
-            with self.node(scene, limits, paused=True) as node:
+            with self.node(scene, limits, paused=True, **OFTEN) as node:
                 state = call(node.name + "/get_state", GetState).state
                 moved = list(state.positions)
                 a, b = 5 * 12 + 5, 8 * 12 + 8
@@ -234,7 +235,7 @@ class Diagnostics(unittest.TestCase):
             scene = copy.deepcopy(HELD)
             frame = "hand_%d" % level
             scene["cloth"]["pinned"][1]["frame"] = frame
-            with self.node(scene, limits) as node:
+            with self.node(scene, limits, **OFTEN) as node:
                 self.assertEqual(node.wait(OK, "running")["tf age of %s [s]" % frame],
                                  "not seen yet")
                 for _ in range(100):
@@ -298,7 +299,7 @@ class Diagnostics(unittest.TestCase):
         broadcaster = tf2_ros.StaticTransformBroadcaster()
         scene = copy.deepcopy(HELD)
         scene["cloth"]["pinned"][1]["frame"] = "astray"
-        with self.node(scene, OFF) as node:
+        with self.node(scene, OFF, **OFTEN) as node:
             node.wait(OK, "running")
             broadcaster.sendTransform(make_transform("astray", (0, 0, 0), parent="elsewhere"))
             values = node.wait(WARN, "tf frame astray has no transform to the world frame, map")
