@@ -5,20 +5,15 @@
 namespace clothsim {
 namespace {
 
-/// The corner of a box that lies farthest along `direction`.
-Vector3 box_corner(const Vector3& half, const Vector3& direction) {
-  return {direction.x() < 0 ? -half.x() : half.x(), direction.y() < 0 ? -half.y() : half.y(),
-          direction.z() < 0 ? -half.z() : half.z()};
-}
-
 /// The shortest way out of a box; not into it, so that the way is negative for a triangle outside.
-FaceDistance shortest_exit(const Vector3& half, const Triangle& t) {
+FaceDistance shortest_exit(const Cuboid& box, const Triangle& t) {
+  const Vector3 half = box.size / 2;
   ShortestExit exit;
   const auto try_along = [&](const Vector3& out, std::optional<std::size_t> on, int axis) {
     const std::size_t low = lowest(t, out);
     const double length = out.cwiseAbs().dot(half) - out.dot(t[low]);
     if (length >= exit.shortest().value) return;
-    const Vector3 support = box_corner(half, out);
+    const Vector3 support = box.support(out);
     if (on) {
       Vector3 other = support;
       other[axis] *= -1;
@@ -48,6 +43,13 @@ FaceDistance shortest_exit(const Vector3& half, const Triangle& t) {
     }
   }
   return exit.shortest();
+}
+
+/// Does all of the box lie below the plane through its place nearest to the triangle?
+bool is_below_plane(const Vector3& half, const FaceDistance& nearest, const Triangle& t) {
+  const double gap =
+      nearest.normal.dot(at(t, nearest.weights)) - half.dot(nearest.normal.cwiseAbs());
+  return gap >= (1 - turn_tolerance) * nearest.value;
 }
 
 /// Distances of the edges and corners of a box from a triangle, up to `reach`.
@@ -103,32 +105,36 @@ std::optional<FaceDistance> Cuboid::face_distance(const Triangle& t, double reac
   const double apart = outside(box_of(t), half);
   if (apart > reach) return std::nullopt;
 
-  if (apart <= 0) {
-    FaceDistance exit = shortest_exit(half, t);
-    if (exit.value >= 0) {
-      exit.value *= -1;
-      return exit;
-    }
-  }
-
   // Corners of the triangle against faces of the box, then edges and corners of the box.
-  FaceDistance nearest;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Distance d = near_surface(t[i].x(), t[i].y(), t[i].z(), 0);
-    if (d.value < nearest.value) nearest = {d.value, d.normal, corner(i)};
-  }
+  std::array<Distance, 3> corners;
+  std::transform(t.begin(), t.end(), corners.begin(),
+                 [&](const Vector3& p) { return Distance(near_surface(p.x(), p.y(), p.z(), 0)); });
+  const double least = min_distance(t, corners);
+  if (least > reach) return std::nullopt;
+  FaceDistance nearest = nearest_corner(corners);
+  const auto exit_from = [](FaceDistance exit) {
+    exit.value *= -1;
+    return exit;
+  };
+  if (nearest.value < 0) return exit_from(shortest_exit(*this, t));
+  if (is_only_nearest(nearest, t)) return within(reach, nearest);
   const Closest features = to_edges_and_corners(half, t, reach);
   if (features.least() > 0 && features.least() <= nearest.value) nearest = features.result();
+  if (apart <= 0 && least <= 0 &&
+      !(is_separating(nearest, t) && is_below_plane(half, nearest, t))) {
+    const FaceDistance exit = shortest_exit(*this, t);
+    if (exit.value >= 0) return exit_from(exit);
+  }
   return within(reach, nearest);
 }
 
 void Cuboid::visit_lines(const Triangle&, const Vector3& normal, double,
                          const VisitLine& visit) const {
-  const Vector3 support = box_corner(size / 2, normal);
+  const Vector3 corner = support(normal);
   for (int axis = 0; axis < 3; ++axis) {
-    Vector3 other = support;
+    Vector3 other = corner;
     other[axis] *= -1;
-    visit(support, other, 0);
+    visit(corner, other, 0);
   }
 }
 

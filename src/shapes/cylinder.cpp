@@ -7,8 +7,11 @@
 namespace clothsim {
 namespace {
 
-/// Most steps of a search by secants: beside a kink bisection is faster.
-constexpr int max_secants = 20;
+/// Share of an edge in which a search for its nearest point ends at last.
+constexpr double narrowest = 1e-12;
+
+/// Most steps of a search by Newton's method or secants: beside a kink bisection is faster.
+constexpr int max_steps = 20;
 
 /// A place on an edge, and its distance.
 struct OnEdge {
@@ -20,73 +23,53 @@ Distance distance_at(const Cylinder& cylinder, const Vector3& p) {
   return cylinder.near_surface(p.x(), p.y(), p.z(), 0);
 }
 
-/// The place with the least signed distance on the edge from a to b, whose distances are known;
-/// empty where all are above `limit`. The distance is convex: its slope has one sign change, to
-/// which its secants lead (Illinois method, Dowell & Jarratt 1971), and it is nowhere below its
-/// tangents.
+/// Half of the second derivative along `u` of the squared distance from the solid, at a point out
+/// of it.
+double half_second_derivative(const Cylinder& cylinder, const Vector3& p, const Vector3& u) {
+  const double r = p.head<2>().norm(), over = r - cylinder.radius;
+  double sum = std::abs(p.z()) > cylinder.length / 2 ? u.z() * u.z() : 0;
+  if (over <= 0) return sum;
+  const double away = p.head<2>().dot(u.head<2>()) / r;
+  return sum + away * away + over / r * (u.head<2>().squaredNorm() - away * away);
+}
+
+/// The place with the least distance on the edge from a to b, whose distances are known and
+/// positive, or one in the solid; empty where all are above `limit`. The distance is convex: its
+/// slope has one sign change, to which Newton's steps for the squared distance lead within a
+/// bracket, and it is nowhere below its tangents.
 std::optional<OnEdge> min_on_edge(const Cylinder& cylinder, const Vector3& a, const Distance& at_a,
                                   const Vector3& b, const Distance& at_b, double limit) {
-  constexpr double precise = 1e-12;  // share of the edge
   const Vector3 along = b - a;
+  const double flat = turn_tolerance * along.norm();
   const auto slope = [&](const OnEdge& x) { return x.distance.normal.dot(along); };
   OnEdge low{0, at_a}, high{1, at_b};
   double down = slope(low), up = slope(high);
   if (down >= 0) return low;
   if (up <= 0) return high;
-  double secant_down = down, secant_up = up;  // halved where one end stays twice
-  int kept = 0;                               // the end that stayed last: -1 low, 1 high
-  for (int step = 0; high.s - low.s > precise; ++step) {
+  const double falls = down * low.distance.value;
+  double s = falls / (falls - up * high.distance.value);  // as if it were a parabola
+  for (int step = 0; high.s - low.s > narrowest; ++step) {
     const double width = high.s - low.s;
     const double rise = high.distance.value - low.distance.value;
     const double least = low.distance.value + down * (up * width - rise) / (up - down);
     if (least > limit) return std::nullopt;
-    const double share = step < max_secants ? secant_down / (secant_down - secant_up) : 0.5;
-    const double s = low.s + share * width;
-    const OnEdge middle{s, distance_at(cylinder, a + s * along)};
+    const Vector3 p = a + s * along;
+    const OnEdge middle{s, distance_at(cylinder, p)};
     const double now = slope(middle);
-    if (now == 0) return middle;
-    if (now < 0) {
-      low = middle;
-      down = secant_down = now;
-      if (kept == 1) secant_up /= 2;
-      kept = 1;
-    } else {
-      high = middle;
-      up = secant_up = now;
-      if (kept == -1) secant_down /= 2;
-      kept = -1;
-    }
+    if (middle.distance.value <= 0 || std::abs(now) <= flat) return middle;
+    (now < 0 ? low : high) = middle;
+    (now < 0 ? down : up) = now;
+    s -= middle.distance.value * now / half_second_derivative(cylinder, p, along);
+    if (step > max_steps || !(s > low.s && s < high.s)) s = (low.s + high.s) / 2;
   }
   return low.distance.value < high.distance.value ? low : high;
-}
-
-/// A bound on the signed distances of a triangle's points, from the tangents at its corners.
-double min_distance(const Triangle& t, const std::array<Distance, 3>& at) {
-  double bound = -infinity;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vector3& n = at[i].normal;
-    const double least = std::min({n.dot(t[0]), n.dot(t[1]), n.dot(t[2])});
-    bound = std::max(bound, at[i].value + least - n.dot(t[i]));
-  }
-  return bound;
-}
-
-/// The point of the solid that lies farthest along `direction`; where an end or a line of the side
-/// does, its middle.
-Vector3 support(const Cylinder& cylinder, const Vector3& direction) {
-  const Vector3 across(direction.x(), direction.y(), 0);
-  const double slope = across.norm();
-  const double end = direction.z() < 0 ? -cylinder.length / 2 : cylinder.length / 2;
-  Vector3 p = slope > 0 ? Vector3(cylinder.radius / slope * across) : Vector3(0, 0, 0);
-  p.z() = direction.z() == 0 ? 0 : end;
-  return p;
 }
 
 /// Does the solid reach through the inside of the triangle, given that the triangle's edges are out
 /// of it? Then the solid's section with the plane lies in the triangle, or all of it outside.
 bool reaches_through(const Cylinder& cylinder, const Triangle& t, const Vector3& n) {
   if (n.isZero(0)) return false;
-  const Vector3 above = support(cylinder, n), below = support(cylinder, -n);
+  const Vector3 above = cylinder.support(n), below = cylinder.support(-n);
   const double high = n.dot(above - t[0]), low = n.dot(below - t[0]);
   if (high <= 0 || low >= 0) return false;
   const Vector3 p = below + low / (low - high) * (above - below);
@@ -131,7 +114,7 @@ class CylinderExit {
     if (depth >= exit_.shortest().value) return;
     const std::size_t low = lowest(t_, out);
     Weights weights = corner(low);
-    const Vector3 p = support(cylinder_, out);
+    const Vector3 p = cylinder_.support(out);
     if (on && is_end(low, *on)) {
       const Vector3 e = edge(t_, *on);
       const double s = e.isZero(0) ? 0 : (p - t_[*on]).dot(e) / e.squaredNorm();
@@ -163,7 +146,7 @@ class CylinderExit {
   const FaceDistance& shortest() const { return exit_.shortest(); }
 
  private:
-  Way way(const Vector3& out) const { return {out, support(cylinder_, out) - t_[lowest(t_, out)]}; }
+  Way way(const Vector3& out) const { return {out, cylinder_.support(out) - t_[lowest(t_, out)]}; }
 
   /// The direction of the shortest way among those that turn about `axis` from `low` to `high`,
   /// between which `middle` is shorter than both. The length is the greatest of the products of
@@ -182,7 +165,7 @@ class CylinderExit {
       const Way& best = low.length() < high.length() ? low : high;
       const double width = axis.cross(low.out).dot(high.out);
       if (best.length() - bound < precise || width < std::sqrt(parallel)) return best.out;
-      const bool bisects = !is_between || step > max_secants, by_secant = step % 2 == 1;
+      const bool bisects = !is_between || step > max_steps, by_secant = step % 2 == 1;
       if (bisects || by_secant) {
         const double down = slope(low), up = slope(high);
         const double share = !bisects && down < 0 && up > 0 ? down / (down - up) : 0.5;
@@ -221,6 +204,14 @@ FaceDistance shortest_exit(const Cylinder& cylinder, const Triangle& t, const Ve
 
 }  // namespace
 
+Vector3 Cylinder::support(const Vector3& direction) const {
+  const Vector3 across(direction.x(), direction.y(), 0);
+  const double slope = across.norm();
+  Vector3 p = slope > 0 ? Vector3(radius / slope * across) : Vector3(0, 0, 0);
+  if (direction.z() != 0) p.z() = direction.z() < 0 ? -length / 2 : length / 2;
+  return p;
+}
+
 std::optional<double> Cylinder::entry(const Vector3& from, const Vector3& displacement,
                                       double offset) const {
   double in = 0, out = infinity;
@@ -256,23 +247,24 @@ std::optional<FaceDistance> Cylinder::face_distance(const Triangle& t, double re
   const std::array<Distance, 3> corners{distance_at(*this, t[0]), distance_at(*this, t[1]),
                                         distance_at(*this, t[2])};
   if (min_distance(t, corners) > reach) return std::nullopt;
-  FaceDistance nearest;
-  for (std::size_t i = 0; i < 3; ++i) {
+  FaceDistance nearest = nearest_corner(corners);
+  for (std::size_t i = 0; i < 3 && nearest.value > 0 && !is_separating(nearest, t); ++i) {
     const std::size_t j = (i + 1) % 3;
     const double limit = std::min(reach, nearest.value);
     const auto on = min_on_edge(*this, t[i], corners[i], t[j], corners[j], limit);
     if (!on || on->distance.value >= nearest.value) continue;
     nearest = {on->distance.value, on->distance.normal, on_edge(i, on->s)};
   }
+  if (is_separating(nearest, t)) return within(reach, nearest);
   const Vector3 n = unit_normal(t);
-  if (nearest.value < 0 || reaches_through(*this, t, n)) {
+  if (nearest.value <= 0 || reaches_through(*this, t, n)) {
     FaceDistance exit = shortest_exit(*this, t, n);
     exit.value = std::min(-exit.value, 0.0);
     return exit;
   }
   // The solid's point nearest to the plane, where that is over the triangle's inside.
   if (!n.isZero(0)) {
-    const Vector3 p = support(*this, n.dot(t[0]) > 0 ? n : Vector3(-n));
+    const Vector3 p = support(n.dot(t[0]) > 0 ? n : Vector3(-n));
     Closest inside;
     inside.add(p, t, closest_on_triangle(p, t[0], t[1], t[2]));
     if (inside.least() > 0 && inside.least() < nearest.value) nearest = inside.result();

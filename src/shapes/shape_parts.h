@@ -1,6 +1,8 @@
 // Building blocks of shapes' queries.
 #pragma once
 
+#include <algorithm>
+
 #include "clothsim/geometry/closest_points.h"
 #include "clothsim/shapes/shape_answers.h"
 
@@ -63,6 +65,49 @@ inline std::optional<FaceDistance> within(double reach, FaceDistance found, doub
   found.value -= radius;
   if (found.value > reach) return std::nullopt;
   return found;
+}
+
+/// Where a triangle's corners have these distances, the nearest corner.
+inline FaceDistance nearest_corner(const std::array<Distance, 3>& at) {
+  FaceDistance nearest;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (at[i].value < nearest.value) nearest = {at[i].value, at[i].normal, corner(i)};
+  }
+  return nearest;
+}
+
+/// A bound on the signed distances of a triangle's points from a convex shape, from the tangents at
+/// its corners.
+inline double min_distance(const Triangle& t, const std::array<Distance, 3>& at) {
+  double bound = -infinity;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3& n = at[i].normal;
+    const double least = std::min({n.dot(t[0]), n.dot(t[1]), n.dot(t[2])});
+    bound = std::max(bound, at[i].value + least - n.dot(t[i]));
+  }
+  return bound;
+}
+
+/// A search along an edge ends where the normal is as near to perpendicular to the edge [rad].
+inline constexpr double turn_tolerance = 1e-9;
+
+/// Does the tangent plane of a convex shape at the nearest point so far have the shape and the
+/// triangle on its two sides? Then no other point is nearer.
+inline bool is_separating(const FaceDistance& nearest, const Triangle& t) {
+  const double height = nearest.normal.dot(at(t, nearest.weights)) - turn_tolerance * nearest.value;
+  return nearest.value > 0 && std::all_of(t.begin(), t.end(), [&](const Vector3& corner) {
+           return nearest.normal.dot(corner) >= height;
+         });
+}
+
+/// Is the nearest corner nearer than all other points of the triangle? One that lies flat on a face
+/// of a box touches edges and corners of the box, too.
+inline bool is_only_nearest(const FaceDistance& corner, const Triangle& t) {
+  const double height = corner.normal.dot(at(t, corner.weights));
+  const auto higher = std::count_if(t.begin(), t.end(), [&](const Vector3& p) {
+    return corner.normal.dot(p) > height + turn_tolerance * corner.value;
+  });
+  return corner.value > 0 && higher == 2;
 }
 
 /// The least of distances between features, and where it is.

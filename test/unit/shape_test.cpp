@@ -267,6 +267,25 @@ TEST(Shape, EntryPointOfDegeneratePaths) {
   EXPECT_FALSE(entry_point(ground, Vector3(0, 0, 1), Vector3(0, 0, -1), 0.01));
 }
 
+TEST(Shape, SupportIsAPointOfTheSolidFarthestAlongADirection) {
+  const auto expect_support = [](const Shape& shape) {
+    for (int n = 0; n < 200; ++n) {
+      const Vector3 axis = (n % 2 ? -1 : 1) * Vector3::Unit(n / 2 % 3);
+      const Vector3 direction = n < 6 ? axis : Vector3(Vector3::Random().normalized());
+      const Vector3 p = support(shape, direction).value(), beyond = p + 0.1 * direction;
+      EXPECT_NEAR(signed_distance(shape, p, p).value, 0, 1e-14);
+      // The plane through p across the direction has all of the solid below it.
+      EXPECT_NEAR(signed_distance(shape, beyond, beyond).value, 0.1, 1e-14) << direction;
+    }
+  };
+  expect_support(Sphere{0.3});
+  expect_support(Capsule{0.8, 0.2});
+  expect_support(Cuboid{{1.2, 0.8, 0.4}});
+  expect_support(Cylinder{0.8, 0.3});
+  EXPECT_FALSE(support(Plane{}, Vector3::UnitX()));
+  EXPECT_FALSE(support(MeshShape{}, Vector3::UnitX()));
+}
+
 TEST(Shape, BoundsHoldTheSolid) {
   EXPECT_EQ(bounding_radius(ball), 0.5);
   EXPECT_TRUE(std::isinf(bounding_radius(ground)));

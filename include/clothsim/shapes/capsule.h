@@ -24,6 +24,9 @@ struct Capsule {
     const double on_axis = below > -half ? below : -half;
     return about_core(x, y, z - on_axis, radius, Vector3::UnitX());
   }
+  Vector3 support(const Vector3& direction) const {
+    return Vector3(0, 0, direction.z() < 0 ? -length / 2 : length / 2) + radius * direction;
+  }
   std::optional<double> entry(const Vector3& from, const Vector3& displacement,
                               double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;

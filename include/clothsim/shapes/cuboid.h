@@ -35,6 +35,11 @@ struct Cuboid {
             (y < 0 ? -1.0 : 1.0) * (inside ? ay : oy / s),
             (z < 0 ? -1.0 : 1.0) * (inside ? az : oz / s)};
   }
+  Vector3 support(const Vector3& direction) const {
+    return {direction.x() < 0 ? -size.x() / 2 : size.x() / 2,
+            direction.y() < 0 ? -size.y() / 2 : size.y() / 2,
+            direction.z() < 0 ? -size.z() / 2 : size.z() / 2};
+  }
   std::optional<double> entry(const Vector3& from, const Vector3& displacement,
                               double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;

@@ -33,6 +33,7 @@ struct Cylinder {
     return {inside ? nearest : r, radial * (rho > 0 ? x / scale : 1), radial * (y / scale),
             (z < 0 ? -1.0 : 1.0) * axial};
   }
+  Vector3 support(const Vector3& direction) const;
   std::optional<double> entry(const Vector3& from, const Vector3& displacement,
                               double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;

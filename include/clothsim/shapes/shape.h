@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <type_traits>
 #include <variant>
 
 #include "clothsim/shapes/capsule.h"
@@ -17,6 +19,8 @@ namespace clothsim {
 /// the function of its name.
 /// - near_surface() is signed_distance() of (x, y, z), with the z of `side`: without branches, for
 ///   the loops that inline it.
+/// - support(), of convex solids, is the function of that name; where an end or a line of a
+///   cylinder's side lies farthest, its middle.
 /// - entry() is the share of `displacement` after which entry_point() lies, over 1 where it is too
 ///   short.
 /// - visit_lines() visits the lines of edges_along() that support the shape along `normal`.
@@ -44,6 +48,14 @@ double safe_depth(const Shape&);
 /// Distance of the corners from the surface that keeps all of a flat triangle `offset` off it,
 /// where its edges are no longer than `edge` (all in m); infinite where the surface has edges.
 double corner_distance(const Shape&, double edge, double offset);
+
+/// Bounded and convex: all shapes but planes, and meshes, which may be either.
+template <class AnyShape>
+constexpr bool is_convex_solid =
+    std::decay_t<AnyShape>::is_convex && !std::is_same_v<std::decay_t<AnyShape>, Plane>;
+
+/// A point of a convex solid that lies farthest along `direction`, unit; empty for other shapes.
+std::optional<Vector3> support(const Shape&, const Vector3& direction);
 
 /// Radius of a ball about the origin of its own frame that holds the solid; infinite for a plane
 /// [m].

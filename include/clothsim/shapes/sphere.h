@@ -18,6 +18,7 @@ struct Sphere {
   [[gnu::always_inline]] NearSurface near_surface(double x, double y, double z, double) const {
     return about_core(x, y, z, radius, Vector3::UnitZ());
   }
+  Vector3 support(const Vector3& direction) const { return radius * direction; }
   std::optional<double> entry(const Vector3& from, const Vector3& displacement,
                               double offset) const;
   std::optional<FaceDistance> face_distance(const Triangle&, double reach) const;
