@@ -108,9 +108,9 @@ void ColliderContacts::find_at(ColliderCache& s, const MovingCollider& collider,
   }
   if (s.has_faces) {
     const double within = step.undetected_move > 0 ? near : margin;
-    faces_.find({penetration.collider, collider, cloth, step, margin - step.undetected_move, within,
-                 motion_bound_.total() + s.sleep_bounds.moved(), step.h * (speed + of_surface),
-                 local_, state, penetration.faces});
+    faces_.find({penetration.collider, collider, cloth, step, speed, margin - step.undetected_move,
+                 within, motion_bound_.total() + s.sleep_bounds.moved(),
+                 step.h * (speed + of_surface), local_, state, penetration.faces});
   }
 }
 
@@ -154,9 +154,9 @@ void ColliderContacts::refresh(const std::vector<MovingCollider>& colliders, con
     const double in_step = step.h * speed + s.moved;
     local_.place_points(faces_.near_points(k), colliders[k], step, state.positions, in_step,
                         s.mesh);
-    faces_.find_again({penetration.collider, colliders[k], cloth, step, in_step + s.keeps, s.within,
-                       motion_bound_.total() + s.sleep_bounds.moved(), in_step, local_, state,
-                       penetration.faces});
+    faces_.find_again({penetration.collider, colliders[k], cloth, step, speed, in_step + s.keeps,
+                       s.within, motion_bound_.total() + s.sleep_bounds.moved(), in_step, local_,
+                       state, penetration.faces});
     recovers_ = recovers_ || penetration.depth() > 0;
   }
   recovery_duration_ = std::max(0.0, recovery_duration_ + (recovers_ ? step.h : -step.h));

@@ -47,6 +47,23 @@ std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth
   return distance;
 }
 
+SupportingPlane supporting_plane(const Shape& shape, const Triangle& t,
+                                 const std::optional<FaceDistance>& found) {
+  constexpr double rounding = 1e-12;  // of the shape's size: it bounds rounded products, too
+  const auto along = [&](const Vector3& normal) {
+    const auto point = support(shape, normal);
+    if (!point) return SupportingPlane{};
+    return SupportingPlane{normal, normal.dot(*point) + rounding * bounding_radius(shape)};
+  };
+  if (found) return found->value > 0 ? along(found->normal) : SupportingPlane{};
+  SupportingPlane farthest;
+  for (const Vector3& corner : t) {
+    const SupportingPlane plane = along(signed_distance(shape, corner, corner).normal);
+    if (plane.distance_of(t) > farthest.distance_of(t)) farthest = plane;
+  }
+  return farthest;
+}
+
 FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::size_t triangle,
                       const LocalCloth& local, double margin) {
   const Shape& shape = collider.shape();

@@ -4,19 +4,15 @@
 #include <cmath>
 
 #include "clothsim/constraints/face_approach.h"
+#include "clothsim/shapes/tracked_distance.h"
 
 namespace clothsim {
 namespace {
 
 /// Most that the normal of a triangle that is followed, not measured, may have turned [rad].
 /// Normals that lag let contact forces drive the cloth: on a rim it moves for ever at 1.5 mm/s with
-/// 0.06 rad, at 0.2 mm/s with this.
-constexpr double followed_turn = 3e-3;
-
-/// Largest displacement of a corner from where impulses act to the step's end [m].
-double to_middle(const LocalCloth& local, const Corners& corners) {
-  return longest_displacement(triangle_of(local.middle, corners), triangle_of(local.to, corners));
-}
+/// 0.06 rad, at 0.1 mm/s with this.
+constexpr double followed_turn = 1e-3;
 
 }  // namespace
 
@@ -43,8 +39,8 @@ FaceContacts::AtCollider& FaceContacts::at_collider(int number, const Cloth& clo
 double FaceContacts::distance_of(const ColliderQuery& at, const MeasuredTriangle& measured,
                                  const Corners& corners) {
   if (at.local.longest > safe_depth(at.collider.shape())) return -infinity;  // it may be through
-  return measured.distance_at(clothsim::triangle_of(at.local.middle, corners)) -
-         to_middle(at.local, corners);
+  return std::min(measured.distance_at(clothsim::triangle_of(at.local.middle, corners)),
+                  measured.distance_at(clothsim::triangle_of(at.local.to, corners)));
 }
 
 void FaceContacts::find(const ColliderQuery& at) {
@@ -60,7 +56,10 @@ void FaceContacts::find(const ColliderQuery& at) {
     near.triangle = triangle;
     near.distance = distance_of(at, measured, corners);
     near.reached_at = at.travelled + near.distance;
-    if (near.distance <= at.margin) look_at(at, near, measured, last);
+    if (near.distance <= at.margin) {
+      const double margin = margin_of(at, corners);
+      if (near.distance <= margin) look_at(at, margin, near, measured, last);
+    }
     if (near.distance < at.reach) of.near.push_back(near);
   };
   for_each_near(at.collider.shape(), at.cloth, blocks_, at.local, at.reach, is_far, look);
@@ -83,9 +82,11 @@ void FaceContacts::find_again(const ColliderQuery& at) {
   for (NearTriangle& near : of.near) {
     if (near.reached_at > at.travelled + 2 * at.in_step + at.margin) continue;
     const auto triangle = static_cast<std::size_t>(near.triangle);
+    const Corners& corners = at.cloth.triangles[triangle];
     if (follow(at, near, last)) continue;
-    if (distance_of(at, of.measured[triangle], at.cloth.triangles[triangle]) > at.margin) continue;
-    look_at(at, near, of.measured[triangle], last);
+    const double margin = margin_of(at, corners);
+    if (distance_of(at, of.measured[triangle], corners) > margin) continue;
+    look_at(at, margin, near, of.measured[triangle], last);
   }
 }
 
@@ -110,33 +111,59 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
   return true;
 }
 
-void FaceContacts::look_at(const ColliderQuery& at, NearTriangle& near, MeasuredTriangle& measured,
-                           ContactList::Last& last) {
-  const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
-               penetrating_faces] = at;
+double FaceContacts::margin_of(const ColliderQuery& at, const Corners& corners) {
+  double speed2 = 0;
+  for (const int i : corners) {
+    speed2 = std::max(
+        {speed2, at.state.velocities.row(i).squaredNorm(), at.step.drifted.row(i).squaredNorm()});
+  }
+  return at.margin - at.step.h * std::max(0.0, at.speed - std::sqrt(speed2));
+}
+
+std::optional<FaceDistance> FaceContacts::measure(const ColliderQuery& at, NearTriangle& near,
+                                                  MeasuredTriangle& measured) {
+  const Shape& shape = at.collider.shape();
+  const auto triangle = static_cast<std::size_t>(near.triangle);
+  const Corners& corners = at.cloth.triangles[triangle];
+  near.corners = clothsim::triangle_of(at.local.middle, corners);
+  std::optional<FaceDistance> found;
+  if (near.nearest) found = tracked_distance(shape, near.corners, *near.nearest);
+  if (!found) {
+    found = face_distance(shape, near.corners, at.reach, at.local.query(triangle, corners));
+  }
+  near.distance = found ? found->value : at.reach;
+  near.reached_at = at.travelled + near.distance;
+  measured = {near.corners, near.distance, supporting_plane(shape, near.corners, found)};
+  return found;
+}
+
+void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle& near,
+                           MeasuredTriangle& measured, ContactList::Last& last) {
+  const auto& [number, collider, cloth, step, speed, margin_of_all, reach, travelled, in_step,
+               local, state, penetrating_faces] = at;
   const Shape& shape = collider.shape();
   const auto triangle = static_cast<std::size_t>(near.triangle);
   const Corners& corners = cloth.triangles[triangle];
-  // The triangle as it lies where impulses act, unless it is to be stopped or led out.
-  near.corners = clothsim::triangle_of(local.middle, corners);
   near.touching = {};
   near.is_beside = false;
-  FaceApproach found{face_distance(shape, near.corners, reach, local.query(triangle, corners))};
-  near.distance = found.distance ? found.distance->value : reach;
-  near.reached_at = travelled + near.distance;
-  measured = {near.corners, near.distance};
+  // The triangle as it lies where impulses act, unless it is to be stopped or led out.
+  FaceApproach found{measure(at, near, measured)};
+  double sinks = 0;
   if (found.distance) {
-    found.distance->value += leeway(cloth, corners, near.corners, found.distance->weights);
+    sinks = leeway(cloth, corners, near.corners, found.distance->weights);
+    found.distance->value += sinks;
   }
-  const bool may_be_inside = local.longest > safe_depth(shape) ||
-                             (found.distance && found.distance->value < to_middle(local, corners));
+  const double at_end = measured.distance_at(clothsim::triangle_of(local.to, corners)) + sinks;
+  const bool may_be_inside = local.longest > safe_depth(shape) || at_end < 0;
   if (may_be_inside) {
-    const FaceApproach at_end = approach(collider, cloth, triangle, local, margin);
-    if (!at_end.distance) return;
-    if (at_end.swept || at_end.before < 0) found = at_end;
+    const FaceApproach approached = approach(collider, cloth, triangle, local, margin);
+    if (!approached.distance) return;
+    if (approached.swept || approached.before < 0) found = approached;
   }
   const bool alone = found.swept || found.before < 0;
   if (!found.distance || (near.distance > margin && !alone)) return;
+  // Not kept beyond the margin, where bounds decide whether a triangle is measured at all.
+  near.nearest = found.distance->weights;
   near.is_beside = !may_be_inside;
 
   // Corners are left to the contacts of their points, unless they are to be led out.
@@ -180,8 +207,8 @@ bool FaceContacts::passes_by(const ColliderQuery& at, const Corners& corners) {
 
 void FaceContacts::add(const ColliderQuery& at, std::uint64_t key, const Contact* last,
                        const FaceDistance& distance, bool swept, double depth) {
-  const auto& [number, collider, cloth, step, margin, reach, travelled, in_step, local, state,
-               penetrating_faces] = at;
+  const auto& [number, collider, cloth, step, speed, margin, reach, travelled, in_step, local,
+               state, penetrating_faces] = at;
   Contact contact{key};
   const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle_of(contact))];
   const std::array<double, 3>& weights = distance.weights;

@@ -7,33 +7,86 @@
 namespace clothsim::face_approach_test {
 namespace {
 
-TEST(MeasuredTriangle, BoundsTheDistanceOfATriangleThatHasMoved) {
+/// Triangles beside shapes, and after a small motion.
+template <class Visit>
+void for_triangles_that_move(double size, Visit visit) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const auto vector = [&](double size) {
-    return Vector3(size * Vector3(unit(random), unit(random), unit(random)));
+  const auto vector = [&](double length) {
+    return Vector3(length * Vector3(unit(random), unit(random), unit(random)));
   };
-  int near = 0;
-  for (const Shape& shape :
-       {Shape(Cuboid{{0.3, 0.2, 0.1}}), Shape(Cylinder{0.2, 0.1}), Shape(Sphere{0.1})}) {
+  for (const Shape& shape : {Shape(Cuboid{{0.3, 0.2, 0.1}}), Shape(Cylinder{0.2, 0.1}),
+                             Shape(Sphere{0.1}), Shape(Capsule{0.2, 0.05})}) {
     for (int n = 0; n < 2000; ++n) {
       const Vector3 middle = vector(0.3);
-      Triangle t{middle + vector(0.05), middle + vector(0.05), middle + vector(0.05)};
-      const auto found = face_distance(shape, t, infinity);
-      ASSERT_TRUE(found);
-      const MeasuredTriangle measured{t, found->value};
-      EXPECT_EQ(measured.distance_at(t), found->value);
-      Vector3 way = vector(0.03);
-      for (Vector3& p : t) p += way + vector(0.002);
-      const double now = face_distance(shape, t, infinity)->value;
-      const double bound = measured.distance_at(t);
-      if (found->value < 0 || now < 0) continue;  // depths are those of the shortest exit
-      ASSERT_LE(bound, now + 1e-12);
-      near += now - bound < 0.002;
+      const Triangle t{middle + vector(size), middle + vector(size), middle + vector(size)};
+      Triangle moved = t;
+      const Vector3 way = vector(0.03);
+      for (Vector3& p : moved) p += way + vector(0.002);
+      visit(shape, t, moved);
     }
   }
-  EXPECT_GT(near, 50) << "the bound is close where the triangle approaches";
+}
+
+TEST(MeasuredTriangle, BoundsTheDistanceOfATriangleThatHasMoved) {
+  int near = 0, outside = 0;
+  for_triangles_that_move(0.05, [&](const Shape& shape, const Triangle& t, const Triangle& moved) {
+    const auto found = face_distance(shape, t, infinity);
+    ASSERT_TRUE(found);
+    const MeasuredTriangle measured{t, found->value, supporting_plane(shape, t, found)};
+    EXPECT_EQ(measured.distance_at(t), found->value);
+    const double now = face_distance(shape, moved, infinity)->value;
+    const double bound = measured.distance_at(moved);
+    if (found->value < 0 || now < 0) return;  // depths are those of the shortest exit
+    ASSERT_LE(bound, now + 1e-12);
+    ++outside;
+    near += now - bound < 0.002;
+  });
+  EXPECT_GT(near, 0.5 * outside) << "the bound is close, however it moves along the surface";
   EXPECT_EQ(MeasuredTriangle().distance_at({}), -infinity) << "not measured: it may be anywhere";
+}
+
+TEST(MeasuredTriangle, OutOfReachIsBoundedByTheTangentsAtItsCorners) {
+  int near = 0, outside = 0;
+  for_triangles_that_move(0.02, [&](const Shape& shape, const Triangle& t, const Triangle& moved) {
+    const double before = face_distance(shape, t, infinity)->value;
+    if (before <= 0) return;
+    const SupportingPlane plane = supporting_plane(shape, t, {});
+    ASSERT_LE(plane.distance_of(t), before);
+    ASSERT_LE(plane.distance_of(moved), face_distance(shape, moved, infinity)->value + 1e-12);
+    ++outside;
+    near += before - plane.distance_of(t) < 0.2 * before;
+  });
+  EXPECT_GT(near, 0.5 * outside);
+}
+
+TEST(MeasuredTriangle, APlaneIsAboveTheSolidWhereATriangleGrazesIt) {
+  int grazing = 0;
+  for_triangles_that_move(0.05, [&](const Shape& shape, const Triangle& t, const Triangle&) {
+    const auto apart = face_distance(shape, t, infinity);
+    if (apart->value <= 0) return;
+    for (double gap = 1e-13; gap < 1e-5; gap *= 10) {
+      Triangle near = t;
+      for (Vector3& p : near) p -= (apart->value - gap) * apart->normal;
+      const auto found = face_distance(shape, near, infinity);
+      const SupportingPlane plane = supporting_plane(shape, near, found);
+      if (found->value <= 0) continue;
+      ++grazing;
+      for (int n = 0; n < 20; ++n) {
+        const Vector3 p = support(shape, Vector3::Random().normalized()).value();
+        ASSERT_LE(plane.normal.dot(p), plane.support) << gap;
+      }
+      ASSERT_LE(plane.normal.dot(*support(shape, plane.normal)), plane.support) << gap;
+    }
+  });
+  EXPECT_GT(grazing, 10000);
+}
+
+TEST(MeasuredTriangle, HasNoPlaneInASolidOrBesideAMesh) {
+  const Triangle t{Vector3(0, 0, 0), Vector3(0.01, 0, 0), Vector3(0, 0.01, 0)};
+  const Shape ball = Sphere{0.1};
+  EXPECT_EQ(supporting_plane(ball, t, face_distance(ball, t, 1)).distance_of(t), -infinity);
+  EXPECT_EQ(supporting_plane(MeshShape{}, t, {}).distance_of(t), -infinity);
 }
 
 }  // namespace

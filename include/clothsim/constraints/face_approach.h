@@ -34,13 +34,33 @@ struct FaceApproach {
 FaceApproach approach(const MovingCollider&, const Cloth&, std::size_t triangle, const LocalCloth&,
                       double margin);
 
+/// A plane that has all of a convex solid below it, in the solid's frame. As the distance from the
+/// solid is convex, its tangent at any point outside is one.
+struct SupportingPlane {
+  Vector3 normal{0, 0, 0};    // unit, away from the solid; 0: none is known
+  double support = infinity;  // farthest that the solid reaches along the normal, at most [m]
+
+  /// Lower bound on the distance of a triangle from the solid [m].
+  double distance_of(const Triangle& t) const {
+    return std::min({normal.dot(t[0]), normal.dot(t[1]), normal.dot(t[2])}) - support;
+  }
+};
+
+/// The one below the triangle's nearest point, or `found` empty, the best of those below its
+/// corners. None where the shape is not convex or `found` is not outside.
+SupportingPlane supporting_plane(const Shape&, const Triangle&,
+                                 const std::optional<FaceDistance>& found);
+
 /// A triangle that was measured, in a collider's frame.
 struct MeasuredTriangle {
   Triangle place{};             // [m]
   double distance = -infinity;  // from the surface, at least [m]
+  SupportingPlane plane;        // between the surface and the triangle
 
   /// Lower bound on its distance after it has moved [m].
-  double distance_at(const Triangle& t) const { return distance - longest_displacement(place, t); }
+  double distance_at(const Triangle& t) const {
+    return std::max(distance - longest_displacement(place, t), plane.distance_of(t));
+  }
 };
 
 /// Calls visit(triangle, corners) where the triangle may touch within `margin` [m] with more than

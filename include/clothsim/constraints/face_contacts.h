@@ -42,6 +42,7 @@ class FaceContacts {
     const MovingCollider& collider;
     const Cloth& cloth;
     const ContactStep& step;
+    double speed;      // of the points, at most [m/s]
     double margin;     // distance from where impulses act within which a triangle may touch [m]
     double reach;      // the same until the next detection [m]
     double travelled;  // bound on the displacements of points and surface until now [m]
@@ -137,11 +138,12 @@ class FaceContacts {
   /// A triangle within reach.
   struct NearTriangle {
     int triangle = 0;
-    double distance = 0;        // a lower bound, exact where it is beside [m]
-    double reached_at = 0;      // displacements at which it may reach the surface [m]
-    bool is_beside = false;     // it touches from outside, neither led out nor stopped
-    Triangle corners{};         // where impulses act, in the collider's frame [m]
-    FeatureDistances touching;  // features that may touch
+    double distance = 0;                   // a lower bound, exact where it is beside [m]
+    double reached_at = 0;                 // displacements at which it may reach the surface [m]
+    bool is_beside = false;                // it touches from outside, neither led out nor stopped
+    Triangle corners{};                    // where impulses act, in the collider's frame [m]
+    std::optional<CornerWeights> nearest;  // of its place next to the surface, when last measured
+    FeatureDistances touching;             // features that may touch
   };
 
   /// A key has a collider, a triangle and the feature in contact: an edge, 0 to 2, or the face, 3.
@@ -155,8 +157,17 @@ class FaceContacts {
     return static_cast<int>((c.key & 0xffffffff) >> triangle_bit);
   }
 
-  /// Measures a triangle and adds its contacts. To be called in the order of their keys.
-  void look_at(const ColliderQuery&, NearTriangle&, MeasuredTriangle&, ContactList::Last&);
+  /// The margin of a query for a triangle with its own speed.
+  static double margin_of(const ColliderQuery&, const Corners&);
+
+  /// Distance of a triangle where impulses act; empty beyond the reach.
+  static std::optional<FaceDistance> measure(const ColliderQuery&, NearTriangle&,
+                                             MeasuredTriangle&);
+
+  /// Measures a triangle and adds its contacts within `margin` [m]. To be called in the order of
+  /// their keys.
+  void look_at(const ColliderQuery&, double margin, NearTriangle&, MeasuredTriangle&,
+               ContactList::Last&);
 
   /// The same without measuring, where the triangle has hardly moved since: as if its features
   /// touched planes. False where it has moved too far.
