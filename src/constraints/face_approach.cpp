@@ -50,12 +50,12 @@ std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth
 SupportingPlane supporting_plane(const Shape& shape, const Triangle& t,
                                  const std::optional<FaceDistance>& found) {
   constexpr double rounding = 1e-12;  // of the shape's size: it bounds rounded products, too
+  if (!is_convex_solid(shape) || (found && found->value <= 0)) return {};
   const auto along = [&](const Vector3& normal) {
-    const auto point = support(shape, normal);
-    if (!point) return SupportingPlane{};
-    return SupportingPlane{normal, normal.dot(*point) + rounding * bounding_radius(shape)};
+    const double farthest = normal.dot(*support(shape, normal));
+    return SupportingPlane{normal, farthest + rounding * bounding_radius(shape)};
   };
-  if (found) return found->value > 0 ? along(found->normal) : SupportingPlane{};
+  if (found) return along(found->normal);
   SupportingPlane farthest;
   for (const Vector3& corner : t) {
     const SupportingPlane plane = along(signed_distance(shape, corner, corner).normal);

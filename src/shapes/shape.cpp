@@ -31,10 +31,14 @@ double corner_distance(const Shape& shape, double edge, double offset) {
   return std::visit([&](const auto& s) { return s.corner_distance(edge, offset); }, shape);
 }
 
+bool is_convex_solid(const Shape& shape) {
+  return std::visit([](const auto& s) { return is_convex_solid_v<decltype(s)>; }, shape);
+}
+
 std::optional<Vector3> support(const Shape& shape, const Vector3& direction) {
   return std::visit(
       [&](const auto& s) -> std::optional<Vector3> {
-        if constexpr (is_convex_solid<decltype(s)>) return s.support(direction);
+        if constexpr (is_convex_solid_v<decltype(s)>) return s.support(direction);
         return std::nullopt;
       },
       shape);

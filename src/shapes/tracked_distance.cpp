@@ -85,7 +85,7 @@ std::optional<FaceDistance> tracked_distance(const Shape& shape, const Triangle&
   return std::visit(
       [&](const auto& s) -> std::optional<FaceDistance> {
         using AnyShape = std::decay_t<decltype(s)>;
-        if constexpr (is_convex_solid<AnyShape>) return Tracker<AnyShape>(s, t).from(start);
+        if constexpr (is_convex_solid_v<AnyShape>) return Tracker<AnyShape>(s, t).from(start);
         return std::nullopt;
       },
       shape);

@@ -51,8 +51,10 @@ double corner_distance(const Shape&, double edge, double offset);
 
 /// Bounded and convex: all shapes but planes, and meshes, which may be either.
 template <class AnyShape>
-constexpr bool is_convex_solid =
+constexpr bool is_convex_solid_v =
     std::decay_t<AnyShape>::is_convex && !std::is_same_v<std::decay_t<AnyShape>, Plane>;
+
+bool is_convex_solid(const Shape&);
 
 /// A point of a convex solid that lies farthest along `direction`, unit; empty for other shapes.
 std::optional<Vector3> support(const Shape&, const Vector3& direction);
