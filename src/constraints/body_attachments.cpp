@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "clothsim/constraints/local_cloth.h"
+#include "clothsim/dynamics/drag.h"
 
 namespace clothsim {
 namespace {
@@ -132,9 +133,9 @@ double BodyAttachments::solve_pass(RigidBodies& bodies, Points& velocities) {
   return largest;
 }
 
-void BodyAttachments::end_step(const Scalars& as_forces, const Points& velocities) {
+void BodyAttachments::end_step(const Cloth& cloth, double h, const Points& velocities) {
   for (Row& r : rows_) {
-    const double scale = as_forces[r.attachment.point];
+    const double scale = impulse_as_force(cloth, r.attachment.point, h);
     r.frame_impulse -= scale * r.impulse;
     r.work += std::abs(scale * r.impulse.dot(row(velocities, r.attachment.point)));
   }

@@ -149,6 +149,14 @@ void Holders::clear_rows(Points& impulses) const {
   for (const Point& p : points_) impulses.row(p.hold.point).setZero();
 }
 
+void Holders::add_end_impulses(const Cloth& cloth, double h, const Points& at_end,
+                               Points& impulses) const {
+  for (const Point& p : points_) {
+    const int i = p.hold.point;
+    impulses.row(i) += impulse_as_force(cloth, i, h) * at_end.row(i);
+  }
+}
+
 void Holders::count_slipping() {
   slipping_ = static_cast<std::size_t>(
       std::count_if(points_.begin(), points_.end(), [](const Point& p) { return p.slips; }));
@@ -261,13 +269,13 @@ double Holders::solve_pass(Points& velocities) {
   return largest;
 }
 
-bool Holders::update_slipping(const Cloth& cloth, double h, const Scalars& as_forces,
-                              const Vector3& gravity, const Points& impulses, State& state) {
+bool Holders::update_slipping(const Cloth& cloth, double h, const Vector3& gravity,
+                              const Points& impulses, State& state) {
   for (Point& p : points_) {
     const int i = p.hold.point;
     const Vector3 v = row(state.velocities, i);
     if (p.slips) {
-      p.given = -as_forces[i] * p.impulse;
+      p.given = -impulse_as_force(cloth, i, h) * p.impulse;
     } else {
       p.given = row(impulses, i) + h * p.mass * (gravity - cloth.damping_at(i) * v);
     }

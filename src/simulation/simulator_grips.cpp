@@ -91,20 +91,21 @@ std::vector<Vector3> Simulator::Impl::hold_targets() const {
 }
 
 void Simulator::Impl::update_holders(double h) {
-  const Scalars as_forces = impulses_as_forces(cloth, h);
-  attachments.end_step(as_forces, state.velocities);
+  attachments.end_step(cloth, h, state.velocities);
   if (holders.any_sticks()) {
     if (const Xpbd* solver = std::get_if<Xpbd>(&method->integrator)) {
       solver->add_reactions(cloth, h, impulses);  // of the springs as far as it solved them
     } else {
       holders.add_spring_impulses(cloth, h, state, impulses);
     }
-    Points at_end = Points::Zero(cloth.num_points(), 3);
-    if (strain_limit) strain_limit->add_impulses(at_end);
-    if (self_contacts) self_contacts->add_impulses(at_end);
-    impulses.array() += at_end.array().colwise() * as_forces.array();
+    if (strain_limit || self_contacts) {
+      Points at_end = Points::Zero(cloth.num_points(), 3);
+      if (strain_limit) strain_limit->add_impulses(at_end);
+      if (self_contacts) self_contacts->add_impulses(at_end);
+      holders.add_end_impulses(cloth, h, at_end, impulses);
+    }
   }
-  if (holders.update_slipping(cloth, h, as_forces, scene.simulation.gravity, impulses, state))
+  if (holders.update_slipping(cloth, h, scene.simulation.gravity, impulses, state))
     follow_holders();
 }
 

@@ -49,8 +49,8 @@ class BodyAttachments {
   /// Whether corrections of positions leave the points where they are: their inverse masses are 0,
   /// else as in a step.
   void fix(bool fixed, Cloth&) const;
-  /// Adds the impulses of a step to the sums. `as_forces`: see impulses_as_forces().
-  void end_step(const Scalars& as_forces, const Points& velocities);
+  /// Adds the impulses of a step of h [s] to the sums.
+  void end_step(const Cloth&, double h, const Points& velocities);
 
   /// Impulse of the cloth on the body through the attachment `number` in the frame [N s].
   const Vector3& frame_impulse(std::size_t number) const { return rows_[number].frame_impulse; }

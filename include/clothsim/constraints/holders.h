@@ -72,14 +72,16 @@ class Holders {
   double solve_pass(Points& velocities);
 
   /// After a substep of h [s]: lets points slip, or stick again. Returns whether any did.
-  /// `impulses`: of the cloth on each point that sticks [N s], N x 3. `as_forces`: see
-  /// impulses_as_forces().
-  bool update_slipping(const Cloth&, double h, const Scalars& as_forces, const Vector3& gravity,
-                       const Points& impulses, State&);
+  /// `impulses`: of the cloth on each point that sticks [N s], N x 3.
+  bool update_slipping(const Cloth&, double h, const Vector3& gravity, const Points& impulses,
+                       State&);
 
   /// Adds the impulses [N s] of springs and bends in a substep of h [s] to the rows of points that
   /// stick.
   void add_spring_impulses(const Cloth&, double h, const State&, Points& impulses) const;
+  /// Adds the impulses [N s] of constraints at the end of a substep of h [s] to the rows of all
+  /// held points.
+  void add_end_impulses(const Cloth&, double h, const Points& at_end, Points& impulses) const;
   /// Sets the rows of all held points to zero.
   void clear_rows(Points& impulses) const;
 

@@ -43,9 +43,13 @@ void for_each_damping(const Cloth& cloth, int begin, int end, const Visit& visit
   }
 }
 
-/// By point: a constraint's impulse acts at a substep's end, when drag has reduced the effect of
-/// forces in its h [s]. A force through the whole substep with the effect of such an impulse has an
-/// impulse that is larger by this factor.
+/// A constraint's impulse acts at a substep's end, when drag has reduced the effect of forces in
+/// its h [s]. A force through the whole substep with the effect of such an impulse has an impulse
+/// that is larger by this factor.
+inline double impulse_as_force(const Cloth& cloth, int point, double h) {
+  return h / Drag(cloth.damping_at(point), h).distance;
+}
+/// The same for each point.
 Scalars impulses_as_forces(const Cloth&, double h);
 
 /// Displacement of a point in a step of h [s] by an acceleration through free_step() [s^2].
