@@ -142,7 +142,7 @@ class FaceContacts {
     double reached_at = 0;                 // displacements at which it may reach the surface [m]
     bool is_beside = false;                // it touches from outside, neither led out nor stopped
     Triangle corners{};                    // where impulses act, in the collider's frame [m]
-    std::optional<CornerWeights> nearest;  // of its place next to the surface, when last measured
+    std::optional<CornerWeights> nearest;  // of its place nearest to the surface; empty: unknown
     FeatureDistances touching;             // features that may touch
   };
 
