@@ -26,25 +26,21 @@ bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth
   });
 }
 
-double leeway(double lever, const Triangle& t) {
-  constexpr double min_lever = 0.25;  // below it contacts may sink in
-  constexpr double max_share = 0.1;   // of the longest edge, at a lever of 0
-  if (lever >= min_lever) return 0;
+Vector3 raise_of_held(const Shape& shape, double offset, const Triangle& t, std::size_t corner) {
+  constexpr double raised_share = 0.01;  // of the longest edge
   const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
-  return max_share * edge * (1 - lever / min_lever);
+  const Distance distance = signed_distance(shape, t[corner], t[corner]);
+  return std::max(0.0, offset + raised_share * edge - distance.value) * distance.normal;
 }
 
-double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
-              const CornerWeights& weights) {
-  return leeway(lever_of(cloth, corners, weights), t);
-}
-
-std::optional<FaceDistance> distance_with_leeway(const Shape& shape, const Cloth& cloth,
-                                                 const Corners& corners, const Triangle& t,
-                                                 double margin, const FaceQuery& query) {
-  std::optional<FaceDistance> distance = face_distance(shape, t, margin, query);
-  if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
-  return distance;
+Triangle raised_at_held(const Shape& shape, const Cloth& cloth, const Corners& corners,
+                        const Triangle& t) {
+  Triangle raised = t;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (cloth.inv_mass[corners[k]] != 0) continue;
+    raised[k] += raise_of_held(shape, cloth.offset_at(corners[k]), t, k);
+  }
+  return raised;
 }
 
 SupportingPlane supporting_plane(const Shape& shape, const Triangle& t,
@@ -69,10 +65,11 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::s
   const Shape& shape = collider.shape();
   const Corners& corners = cloth.triangles[triangle];
   const FaceQuery query = local.query(triangle, corners);
-  const Triangle from = triangle_of(local.from, corners), to = triangle_of(local.to, corners);
+  const Triangle from = raised_at_held(shape, cloth, corners, triangle_of(local.from, corners));
+  const Triangle to = raised_at_held(shape, cloth, corners, triangle_of(local.to, corners));
   const double keeps = cloth.offset_at(corners[0]);
   FaceApproach result;
-  result.distance = distance_with_leeway(shape, cloth, corners, to, margin, query);
+  result.distance = face_distance(shape, to, margin, query);
 
   const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
                     is_fast(shape, to[2] - from[2]);
@@ -80,13 +77,12 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::s
   if (!inside && !fast) return result;
 
   // It may have been in the solid before, or have passed through it.
-  const auto before = distance_with_leeway(shape, cloth, corners, from, 0, query);
+  const auto before = face_distance(shape, from, 0, query);
   if (before && before->value < 0) {
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
     auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
                                      to_world(collider.pose(), to), keeps);
-    if (swept) swept->value += leeway(cloth, corners, to, swept->weights);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
       result.swept = swept->value < keeps;

@@ -94,7 +94,7 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
                           ContactList::Last& last) {
   if (!near.is_beside) return false;
   const Corners& corners = at.cloth.triangles[static_cast<std::size_t>(near.triangle)];
-  Triangle displacements = clothsim::triangle_of(at.local.middle, corners);
+  Triangle displacements = place_of(at, corners);
   // The normal from an edge or a tip turns by the displacement over the distance.
   const double longest = longest_displacement(near.corners, displacements);
   if (longest > followed_turn * near.distance) return false;
@@ -120,12 +120,17 @@ double FaceContacts::margin_of(const ColliderQuery& at, const Corners& corners) 
   return at.margin - at.step.h * std::max(0.0, at.speed - std::sqrt(speed2));
 }
 
+Triangle FaceContacts::place_of(const ColliderQuery& at, const Corners& corners) {
+  return raised_at_held(at.collider.shape(), at.cloth, corners,
+                        clothsim::triangle_of(at.local.middle, corners));
+}
+
 std::optional<FaceDistance> FaceContacts::measure(const ColliderQuery& at, NearTriangle& near,
                                                   MeasuredTriangle& measured) {
   const Shape& shape = at.collider.shape();
   const auto triangle = static_cast<std::size_t>(near.triangle);
   const Corners& corners = at.cloth.triangles[triangle];
-  near.corners = clothsim::triangle_of(at.local.middle, corners);
+  near.corners = place_of(at, corners);
   std::optional<FaceDistance> found;
   if (near.nearest) found = tracked_distance(shape, near.corners, *near.nearest);
   if (!found) {
@@ -148,12 +153,8 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
   near.is_beside = false;
   // The triangle as it lies where impulses act, unless it is to be stopped or led out.
   FaceApproach found{measure(at, near, measured)};
-  double sinks = 0;
-  if (found.distance) {
-    sinks = leeway(cloth, corners, near.corners, found.distance->weights);
-    found.distance->value += sinks;
-  }
-  const double at_end = measured.distance_at(clothsim::triangle_of(local.to, corners)) + sinks;
+  const double at_end = measured.distance_at(
+      raised_at_held(shape, cloth, corners, clothsim::triangle_of(local.to, corners)));
   const bool may_be_inside = local.longest > safe_depth(shape) || at_end < 0;
   if (may_be_inside) {
     const FaceApproach approached = approach(collider, cloth, triangle, local, margin);
@@ -171,9 +172,6 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
   if (!alone) {
     const auto edges = edges_along(shape, near.corners, *found.distance, margin);
     std::copy(edges.begin(), edges.end(), near.touching.begin());
-    for (auto& edge : near.touching) {
-      if (edge) edge->value += leeway(cloth, corners, near.corners, edge->weights);
-    }
   }
   if (feature || alone) near.touching[feature.value_or(face)] = found.distance;
 
@@ -258,27 +256,24 @@ void FaceContacts::release_pinched(const Pinches& pinches,
     if (!pinches.holds_any(corners)) continue;
     const double keeps = cloth.offset_at(corners[0]);
     const MovingCollider& collider = colliders[static_cast<std::size_t>(collider_of(c))];
-    double lacking = 0, largest = 0;
+    Triangle start = clothsim::triangle_of(step.start, corners);
+    for (Vector3& corner : start) corner = to_local(collider.previous(), corner);
+    double sinks = 0;
     Vector3 held(0, 0, 0);  // share of the velocity there [m/s]
     for (std::size_t k = 0; k < 3; ++k) {
       if (!pinches.holds(corners[k])) {
         held += c.weights[k] * c.impulse.surface_velocity;
-        largest = std::max(largest, c.moves[k]);
         c.impulse.max_normal_impulse = Pinches::max_overlap_impulse * pinches.weight(cloth);
         continue;
       }
       held += c.weights[k] * pinches.velocity(corners[k]);
-      const Vector3 x = to_local(collider.previous(), row(step.start, corners[k]));
-      const double distance = signed_distance(collider.shape(), x, x).value;
-      lacking += c.weights[k] * std::max(0.0, keeps - distance);
+      sinks += c.weights[k] * raise_of_held(collider.shape(), keeps, start, k).norm();
       c.hold(k);
     }
     if (c.mass == 0) {
       c.impulse.deactivate();
       continue;
     }
-    const double lever = 1 / (c.mass * largest);
-    const double sinks = lacking + leeway(lever, clothsim::triangle_of(step.start, corners));
     const double closing = std::max(0.0, c.impulse.normal.dot(c.impulse.surface_velocity - held));
     c.impulse.target_velocity =
         -std::max(0.0, places_[i].distance + sinks - keeps) / step.h - closing;

@@ -89,5 +89,59 @@ TEST(MeasuredTriangle, HasNoPlaneInASolidOrBesideAMesh) {
   EXPECT_EQ(supporting_plane(MeshShape{}, t, {}).distance_of(t), -infinity);
 }
 
+/// A cloth of three points, of which the first is held.
+Cloth held_at_one() {
+  Cloth cloth;
+  cloth.offset = 0.002;
+  cloth.inv_mass = Vector3(0, 1, 1);
+  return cloth;
+}
+
+TEST(RaisedAtHeld, AHeldCornerCountsAsOffTheSurface) {
+  const Cloth cloth = held_at_one();
+  const Shape box = Cuboid{{1, 1, 1}};  // its top is at 0.5
+  for (const double gap : {-0.00005, 0.0005, 0.002, 0.0025, 0.01}) {
+    const Triangle t{Vector3(0, 0, 0.5 + gap), Vector3(0.1, 0, 0.501), Vector3(0, 0.05, 0.501)};
+    const Triangle raised = raised_at_held(box, cloth, {0, 1, 2}, t);
+    const double longest = (t[2] - t[1]).norm();
+    EXPECT_NEAR(raised[0].z(), 0.5 + std::max(gap, 0.002 + 0.01 * longest), 1e-15);
+    EXPECT_EQ(raised[0].head<2>(), t[0].head<2>());
+    EXPECT_EQ(raised[1], t[1]);
+    EXPECT_EQ(raised[2], t[2]);
+    const Triangle same = raised_at_held(box, cloth, {1, 1, 2}, t);
+    EXPECT_EQ(same[0], t[0]) << "no corner is held";
+  }
+}
+
+TEST(RaisedAtHeld, TheGapChangesAsTheWeightsOfFreeCornersSay) {
+  // Otherwise an impulse that closes a gap takes the triangle into the solid.
+  const Cloth cloth = held_at_one();
+  int between = 0;
+  for (const Shape& shape :
+       {Shape(Capsule{0.4, 0.06}), Shape(Cylinder{0.4, 0.06}), Shape(Cuboid{{0.12, 0.12, 0.4}})}) {
+    for (const double gap : {0.0003, 0.001, 0.002, 0.003}) {
+      for (double height = 0.055; height < 0.064; height += 0.0005) {
+        const Triangle t{Vector3(0.06 + gap, 0, 0), Vector3(height, 0.017, 0),
+                         Vector3(height, 0.017, 0.017)};
+        const auto distance_at = [&](double lift) {
+          Triangle lifted = t;
+          for (std::size_t k : {1, 2}) lifted[k].x() += lift;
+          return *face_distance(shape, raised_at_held(shape, cloth, {0, 1, 2}, lifted), infinity);
+        };
+        const double step = 1e-7;
+        const FaceDistance now = distance_at(0);
+        const double free = now.weights[1] + now.weights[2];
+        const bool touches = now.value > 0 && now.value < cloth.offset;
+        if (!touches || free == 0 || free == 1) continue;
+        ++between;
+        const double rate = (distance_at(step).value - distance_at(-step).value) / (2 * step);
+        EXPECT_NEAR(rate, free * now.normal.x(), 0.02) << gap << ' ' << height;
+        EXPECT_GT(free, 0.1) << "nor does it take far motion";
+      }
+    }
+  }
+  EXPECT_GT(between, 20);
+}
+
 }  // namespace
 }  // namespace clothsim::face_approach_test

@@ -13,16 +13,14 @@ namespace clothsim {
 /// Is a corner held in the solid? Then the triangle counts as held there.
 bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 
-/// Distance [m] to add to that of a contact next to a held corner, so that it may sink in by as
-/// much. Without it a triangle could not rest on the collider that it is pinned to: contact near
-/// the held corner would need unbounded motion of the free ones.
-double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
-/// The same for a lever as of lever_of().
-double leeway(double lever, const Triangle&);
-
-/// face_distance(), with that leeway added.
-std::optional<FaceDistance> distance_with_leeway(const Shape&, const Cloth&, const Corners&,
-                                                 const Triangle&, double margin, const FaceQuery&);
+/// Displacement [m] that raises a held corner of a triangle, in the shape's frame, along the normal
+/// there to a distance of `offset` plus a hundredth of the longest edge from the surface; zero
+/// beyond that distance.
+Vector3 raise_of_held(const Shape&, double offset, const Triangle&, std::size_t corner);
+/// The triangle with its held corners raised, as contacts take it. No impulse moves a held corner,
+/// so that a contact near it needs large motion of the free corners; and a triangle has to be able
+/// to rest on the collider that it is pinned to, also by a corner nearer than the offset.
+Triangle raised_at_held(const Shape&, const Cloth&, const Corners&, const Triangle&);
 
 /// Distance of a triangle at a step's end, and whether it results from a sweep.
 struct FaceApproach {

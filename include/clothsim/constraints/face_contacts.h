@@ -29,8 +29,7 @@ struct PenetratingFace {
 /// triangles. As in ColliderContacts, except that each contact acts on the three corners of a
 /// triangle, by their barycentric weights and inverse masses. Contact at a corner is left to the
 /// contact of that point. Triangles with a corner that is held in the solid have none, as nothing
-/// could bring them out. Next to a held corner a triangle may sink in by up to a tenth of its
-/// longest edge.
+/// could bring them out. Other held corners count as raised, see raised_at_held().
 class FaceContacts {
  public:
   /// Begins a step of h [s]: the present contacts become those of the last step.
@@ -159,6 +158,9 @@ class FaceContacts {
 
   /// The margin of a query for a triangle with its own speed.
   static double margin_of(const ColliderQuery&, const Corners&);
+
+  /// A triangle where impulses act, in the collider's frame, see raised_at_held().
+  static Triangle place_of(const ColliderQuery&, const Corners&);
 
   /// Distance of a triangle where impulses act; empty beyond the reach.
   static std::optional<FaceDistance> measure(const ColliderQuery&, NearTriangle&,
