@@ -66,17 +66,17 @@ bool ColliderContacts::has_sunk(std::size_t number, const MovingCollider& collid
                                 const Cloth& cloth, double in_step, const Points& positions) const {
   if (in_step + caches_[number].moved < penetration_slop) return false;
   bool result = false;
-  faces_.for_each_on(static_cast<int>(number),
-                     [&](int triangle, const CornerWeights& weights, const Vector3&, double) {
-                       if (result) return;
-                       const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
-                       Triangle t = triangle_of(positions, corners);
-                       for (Vector3& corner : t) corner = to_local(collider.pose(), corner);
-                       t = raised_at_held(collider.shape(), cloth, corners, t);
-                       const Vector3 x = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
-                       result = signed_distance(collider.shape(), x, x).value <
-                                cloth.offset_at(corners[0]) - sunk_depth;
-                     });
+  faces_.for_each_on(static_cast<int>(number), [&](int triangle, const CornerWeights& weights,
+                                                   const Vector3&, double) {
+    if (result) return;
+    const Corners& corners = cloth.triangles[static_cast<std::size_t>(triangle)];
+    Triangle t = triangle_of(positions, corners);
+    for (Vector3& corner : t) corner = to_local(collider.pose(), corner);
+    t = raised_at_held(collider.shape(), cloth, corners, t);
+    const Vector3 x = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
+    result = signed_distance(collider.shape(), x, x).value + leeway(cloth, corners, t, weights) <
+             cloth.offset_at(corners[0]) - sunk_depth;
+  });
   return result;
 }
 

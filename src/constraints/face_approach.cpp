@@ -18,6 +18,10 @@ bool is_fast(const Shape& shape, const Vector3& displacement) {
   return displacement.squaredNorm() > depth * depth;
 }
 
+double longest_edge(const Triangle& t) {
+  return std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+}
+
 }  // namespace
 
 bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth& local) {
@@ -28,9 +32,8 @@ bool is_held_inside(const Cloth& cloth, const Corners& corners, const LocalCloth
 
 Vector3 raise_of_held(const Shape& shape, double offset, const Triangle& t, std::size_t corner) {
   constexpr double raised_share = 0.01;  // of the longest edge
-  const double edge = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
   const Distance distance = signed_distance(shape, t[corner], t[corner]);
-  return std::max(0.0, offset + raised_share * edge - distance.value) * distance.normal;
+  return std::max(0.0, offset + raised_share * longest_edge(t) - distance.value) * distance.normal;
 }
 
 Triangle raised_at_held(const Shape& shape, const Cloth& cloth, const Corners& corners,
@@ -41,6 +44,15 @@ Triangle raised_at_held(const Shape& shape, const Cloth& cloth, const Corners& c
     raised[k] += raise_of_held(shape, cloth.offset_at(corners[k]), t, k);
   }
   return raised;
+}
+
+double leeway(const Cloth& cloth, const Corners& corners, const Triangle& t,
+              const CornerWeights& weights) {
+  constexpr double min_lever = 0.25;  // below it contacts may sink in
+  constexpr double max_share = 0.1;   // of the longest edge, at a lever of 0
+  const double lever = lever_of(cloth, corners, weights);
+  if (lever >= min_lever) return 0;
+  return max_share * longest_edge(t) * (1 - lever / min_lever);
 }
 
 SupportingPlane supporting_plane(const Shape& shape, const Triangle& t,
@@ -69,7 +81,11 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::s
   const Triangle to = raised_at_held(shape, cloth, corners, triangle_of(local.to, corners));
   const double keeps = cloth.offset_at(corners[0]);
   FaceApproach result;
-  result.distance = face_distance(shape, to, margin, query);
+  const auto with_leeway = [&](std::optional<FaceDistance> distance, const Triangle& t) {
+    if (distance) distance->value += leeway(cloth, corners, t, distance->weights);
+    return distance;
+  };
+  result.distance = with_leeway(face_distance(shape, to, margin, query), to);
 
   const bool fast = is_fast(shape, to[0] - from[0]) || is_fast(shape, to[1] - from[1]) ||
                     is_fast(shape, to[2] - from[2]);
@@ -77,12 +93,14 @@ FaceApproach approach(const MovingCollider& collider, const Cloth& cloth, std::s
   if (!inside && !fast) return result;
 
   // It may have been in the solid before, or have passed through it.
-  const auto before = face_distance(shape, from, 0, query);
+  const auto before = with_leeway(face_distance(shape, from, 0, query), from);
   if (before && before->value < 0) {
     result.before = before->value;
   } else if (fast || result.distance->value < -safe_depth(shape)) {
-    auto swept = swept_face_distance(collider, to_world(collider.previous(), from),
-                                     to_world(collider.pose(), to), keeps);
+    const auto swept =
+        with_leeway(swept_face_distance(collider, to_world(collider.previous(), from),
+                                        to_world(collider.pose(), to), keeps),
+                    to);
     if (swept && (!result.distance || swept->value < result.distance->value)) {
       result.distance = swept;
       result.swept = swept->value < keeps;

@@ -139,6 +139,7 @@ std::optional<FaceDistance> FaceContacts::measure(const ColliderQuery& at, NearT
   near.distance = found ? found->value : at.reach;
   near.reached_at = at.travelled + near.distance;
   measured = {near.corners, near.distance, supporting_plane(shape, near.corners, found)};
+  if (found) found->value += leeway(at.cloth, corners, near.corners, found->weights);
   return found;
 }
 
@@ -153,8 +154,10 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
   near.is_beside = false;
   // The triangle as it lies where impulses act, unless it is to be stopped or led out.
   FaceApproach found{measure(at, near, measured)};
-  const double at_end = measured.distance_at(
-      raised_at_held(shape, cloth, corners, clothsim::triangle_of(local.to, corners)));
+  const double sinks = found.distance ? found.distance->value - near.distance : 0;
+  const double at_end = measured.distance_at(raised_at_held(
+                            shape, cloth, corners, clothsim::triangle_of(local.to, corners))) +
+                        sinks;
   const bool may_be_inside = local.longest > safe_depth(shape) || at_end < 0;
   if (may_be_inside) {
     const FaceApproach approached = approach(collider, cloth, triangle, local, margin);
@@ -172,6 +175,9 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
   if (!alone) {
     const auto edges = edges_along(shape, near.corners, *found.distance, margin);
     std::copy(edges.begin(), edges.end(), near.touching.begin());
+    for (auto& edge : near.touching) {
+      if (edge) edge->value += leeway(cloth, corners, near.corners, edge->weights);
+    }
   }
   if (feature || alone) near.touching[feature.value_or(face)] = found.distance;
 

@@ -29,7 +29,8 @@ struct PenetratingFace {
 /// triangles. As in ColliderContacts, except that each contact acts on the three corners of a
 /// triangle, by their barycentric weights and inverse masses. Contact at a corner is left to the
 /// contact of that point. Triangles with a corner that is held in the solid have none, as nothing
-/// could bring them out. Other held corners count as raised, see raised_at_held().
+/// could bring them out. Beside other held corners it may sink in, see raised_at_held() and
+/// leeway().
 class FaceContacts {
  public:
   /// Begins a step of h [s]: the present contacts become those of the last step.
@@ -162,7 +163,7 @@ class FaceContacts {
   /// A triangle where impulses act, in the collider's frame, see raised_at_held().
   static Triangle place_of(const ColliderQuery&, const Corners&);
 
-  /// Distance of a triangle where impulses act; empty beyond the reach.
+  /// Distance of a triangle where impulses act, with leeway(); empty beyond the reach.
   static std::optional<FaceDistance> measure(const ColliderQuery&, NearTriangle&,
                                              MeasuredTriangle&);
 
