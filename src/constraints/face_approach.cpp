@@ -40,7 +40,7 @@ Triangle raised_at_held(const Shape& shape, const Cloth& cloth, const Corners& c
                         const Triangle& t) {
   Triangle raised = t;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (cloth.inv_mass[corners[k]] != 0) continue;
+    if (!cloth.is_held(corners[k])) continue;
     raised[k] += raise_of_held(shape, cloth.offset_at(corners[k]), t, k);
   }
   return raised;

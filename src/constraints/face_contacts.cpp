@@ -39,8 +39,8 @@ FaceContacts::AtCollider& FaceContacts::at_collider(int number, const Cloth& clo
 double FaceContacts::distance_of(const ColliderQuery& at, const MeasuredTriangle& measured,
                                  const Corners& corners) {
   if (at.local.longest > safe_depth(at.collider.shape())) return -infinity;  // it may be through
-  return std::min(measured.distance_at(clothsim::triangle_of(at.local.middle, corners)),
-                  measured.distance_at(clothsim::triangle_of(at.local.to, corners)));
+  return std::min(measured.distance_at(raised_triangle(at, at.local.middle, corners)),
+                  measured.distance_at(raised_triangle(at, at.local.to, corners)));
 }
 
 void FaceContacts::find(const ColliderQuery& at) {
@@ -94,7 +94,7 @@ bool FaceContacts::follow(const ColliderQuery& at, const NearTriangle& near,
                           ContactList::Last& last) {
   if (!near.is_beside) return false;
   const Corners& corners = at.cloth.triangles[static_cast<std::size_t>(near.triangle)];
-  Triangle displacements = place_of(at, corners);
+  Triangle displacements = raised_triangle(at, at.local.middle, corners);
   // The normal from an edge or a tip turns by the displacement over the distance.
   const double longest = longest_displacement(near.corners, displacements);
   if (longest > followed_turn * near.distance) return false;
@@ -120,9 +120,10 @@ double FaceContacts::margin_of(const ColliderQuery& at, const Corners& corners) 
   return at.margin - at.step.h * std::max(0.0, at.speed - std::sqrt(speed2));
 }
 
-Triangle FaceContacts::place_of(const ColliderQuery& at, const Corners& corners) {
+Triangle FaceContacts::raised_triangle(const ColliderQuery& at, const Points& points,
+                                       const Corners& corners) {
   return raised_at_held(at.collider.shape(), at.cloth, corners,
-                        clothsim::triangle_of(at.local.middle, corners));
+                        clothsim::triangle_of(points, corners));
 }
 
 std::optional<FaceDistance> FaceContacts::measure(const ColliderQuery& at, NearTriangle& near,
@@ -130,14 +131,16 @@ std::optional<FaceDistance> FaceContacts::measure(const ColliderQuery& at, NearT
   const Shape& shape = at.collider.shape();
   const auto triangle = static_cast<std::size_t>(near.triangle);
   const Corners& corners = at.cloth.triangles[triangle];
-  near.corners = place_of(at, corners);
+  near.corners = raised_triangle(at, at.local.middle, corners);
   std::optional<FaceDistance> found;
   if (near.nearest) found = tracked_distance(shape, near.corners, *near.nearest);
   if (!found) {
     found = face_distance(shape, near.corners, at.reach, at.local.query(triangle, corners));
   }
   near.distance = found ? found->value : at.reach;
-  near.reached_at = at.travelled + near.distance;
+  // Raised corners may move further than the corners do, see raised_at_held().
+  const Triangle as_it_is = clothsim::triangle_of(at.local.middle, corners);
+  near.reached_at = at.travelled + near.distance - longest_displacement(as_it_is, near.corners);
   measured = {near.corners, near.distance, supporting_plane(shape, near.corners, found)};
   if (found) found->value += leeway(at.cloth, corners, near.corners, found->weights);
   return found;
@@ -155,9 +158,7 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
   // The triangle as it lies where impulses act, unless it is to be stopped or led out.
   FaceApproach found{measure(at, near, measured)};
   const double sinks = found.distance ? found.distance->value - near.distance : 0;
-  const double at_end = measured.distance_at(raised_at_held(
-                            shape, cloth, corners, clothsim::triangle_of(local.to, corners))) +
-                        sinks;
+  const double at_end = measured.distance_at(raised_triangle(at, local.to, corners)) + sinks;
   const bool may_be_inside = local.longest > safe_depth(shape) || at_end < 0;
   if (may_be_inside) {
     const FaceApproach approached = approach(collider, cloth, triangle, local, margin);
@@ -197,7 +198,7 @@ void FaceContacts::look_at(const ColliderQuery& at, double margin, NearTriangle&
 bool FaceContacts::passes_by(const ColliderQuery& at, const Corners& corners) {
   const RigidBodies* bodies = at.step.bodies;
   if (!bodies || !bodies->is_body(static_cast<std::size_t>(at.number))) return false;
-  Triangle end = clothsim::triangle_of(at.local.middle, corners);
+  Triangle end = raised_triangle(at, at.local.middle, corners);
   for (std::size_t k = 0; k < 3; ++k) {
     const int i = corners[k];
     const Vector3 v =
@@ -273,7 +274,8 @@ void FaceContacts::release_pinched(const Pinches& pinches,
         continue;
       }
       held += c.weights[k] * pinches.velocity(corners[k]);
-      sinks += c.weights[k] * raise_of_held(collider.shape(), keeps, start, k).norm();
+      sinks += c.weights[k] *
+               raise_of_held(collider.shape(), cloth.offset_at(corners[k]), start, k).norm();
       c.hold(k);
     }
     if (c.mass == 0) {

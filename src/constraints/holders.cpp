@@ -163,7 +163,9 @@ void Holders::count_slipping() {
 }
 
 void Holders::apply(Cloth& cloth) const {
+  cloth.held.assign(points_.empty() ? 0 : static_cast<std::size_t>(cloth.num_points()), 0);
   for (const Point& p : points_) {
+    cloth.held[static_cast<std::size_t>(p.hold.point)] = 1;
     cloth.inv_mass[p.hold.point] = p.slips ? 1 / cloth.mass[p.hold.point] : 0;
   }
 }

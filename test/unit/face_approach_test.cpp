@@ -113,7 +113,7 @@ TEST(RaisedAtHeld, AHeldCornerCountsAsOffTheSurface) {
   }
 }
 
-TEST(RaisedAtHeld, TheGapChangesAsTheWeightsOfFreeCornersSay) {
+TEST(RaisedAtHeld, TheGapsDerivativeIsThatOfTheWeights) {
   // Otherwise an impulse that closes a gap takes the triangle into the solid.
   const Cloth cloth = held_at_one();
   int between = 0;
@@ -136,7 +136,7 @@ TEST(RaisedAtHeld, TheGapChangesAsTheWeightsOfFreeCornersSay) {
         ++between;
         const double rate = (distance_at(step).value - distance_at(-step).value) / (2 * step);
         EXPECT_NEAR(rate, free * now.normal.x(), 0.02) << gap << ' ' << height;
-        EXPECT_GT(free, 0.1) << "nor does it take far motion";
+        EXPECT_GT(free, 0.1) << "the free corners move at most ten times as far as the gap changes";
       }
     }
   }

@@ -13,19 +13,21 @@ namespace clothsim {
 /// Is a corner held in the solid? Then the triangle counts as held there.
 bool is_held_inside(const Cloth&, const Corners&, const LocalCloth&);
 
-// Triangles beside a held corner have to rest on the collider that they are pinned to, also by a
-// corner that is nearer than the offset. No impulse moves a held corner, so that a contact near it
-// needs large motion of the free ones.
+// A triangle beside a held corner has to rest on the collider that it is pinned to, even if that
+// corner is nearer to the surface than the offset. No impulse moves a held corner, so a contact
+// near it needs large motion of the free corners.
 
 /// Displacement [m] that raises a held corner of a triangle, in the shape's frame, along the normal
 /// there to a distance of `offset` plus a hundredth of the longest edge from the surface; zero
 /// beyond that distance.
 Vector3 raise_of_held(const Shape&, double offset, const Triangle&, std::size_t corner);
-/// The triangle with its held corners raised, as contacts take it.
+/// The triangle with its held corners raised, for contacts. Corners that slip from their holders
+/// are raised, too: otherwise the contact would jump as they slip or stick.
 Triangle raised_at_held(const Shape&, const Cloth&, const Corners&, const Triangle&);
 
-/// Depth [m] to which a contact next to a held corner may sink in where the free corners would move
-/// at over four times its speed: up to a tenth of the longest edge at the held corner.
+/// Depth [m] to which a contact beside a held corner may sink in where the free corners would move
+/// over four times as fast as the contact does: up to a tenth of the longest edge at the held
+/// corner.
 double leeway(const Cloth&, const Corners&, const Triangle&, const CornerWeights&);
 
 /// Distance of a triangle at a step's end, and whether it results from a sweep.

@@ -29,7 +29,7 @@ struct PenetratingFace {
 /// triangles. As in ColliderContacts, except that each contact acts on the three corners of a
 /// triangle, by their barycentric weights and inverse masses. Contact at a corner is left to the
 /// contact of that point. Triangles with a corner that is held in the solid have none, as nothing
-/// could bring them out. Beside other held corners it may sink in, see raised_at_held() and
+/// could bring them out. Beside other held corners a triangle may sink in, see raised_at_held() and
 /// leeway().
 class FaceContacts {
  public:
@@ -160,8 +160,8 @@ class FaceContacts {
   /// The margin of a query for a triangle with its own speed.
   static double margin_of(const ColliderQuery&, const Corners&);
 
-  /// A triangle where impulses act, in the collider's frame, see raised_at_held().
-  static Triangle place_of(const ColliderQuery&, const Corners&);
+  /// A triangle of points in the collider's frame, see raised_at_held().
+  static Triangle raised_triangle(const ColliderQuery&, const Points&, const Corners&);
 
   /// Distance of a triangle where impulses act, with leeway(); empty beyond the reach.
   static std::optional<FaceDistance> measure(const ColliderQuery&, NearTriangle&,

@@ -49,7 +49,8 @@ class Holders {
   /// The holder of each point of the cloth, -1 for a free one.
   std::vector<int> holder_of_points(const Cloth&) const;
 
-  /// Sets the inverse masses of held points: 0 for those that stick, 1 / mass for those that slip.
+  /// Sets Cloth::held, and the inverse masses of held points: 0 for those that stick, 1 / mass for
+  /// those that slip.
   void apply(Cloth&) const;
 
   /// Begins a frame of dt [s] in which the points move to `targets` [m], in the order of hold().

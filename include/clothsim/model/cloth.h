@@ -126,6 +126,7 @@ struct Cloth {
   /// From colliders [m], of several cloths the largest. Less than `full_offset` while it grows.
   double offset = surface_offset;
   double full_offset = surface_offset;
+  std::vector<char> held;  // by point: by a pin or a grip, also one that it slips from; empty: none
 
   int num_points() const { return static_cast<int>(rest_positions.rows()); }
   int num_springs() const;
@@ -148,6 +149,9 @@ struct Cloth {
     return std::min(offset, std::max(surface_offset, thicknesses[i]));
   }
   double min_offset() const { return std::min(offset, std::max(surface_offset, min_thickness())); }
+  bool is_held(int i) const {
+    return inv_mass[i] == 0 || (!held.empty() && held[static_cast<std::size_t>(i)] != 0);
+  }
   /// How much nearer than `offset` a point comes to colliders [m].
   double nearer_by(int i) const { return thicknesses.size() > 0 ? offset - offset_at(i) : 0; }
   int num_bends() const;
