@@ -5,6 +5,7 @@
 #include "clothsim/dynamics/energy.h"
 #include "clothsim/geometry/intersections.h"
 #include "clothsim/run/report.h"
+#include "scene/collider_scenes.h"
 #include "verification/testing.h"
 
 namespace clothsim::colliders_test {
@@ -12,27 +13,7 @@ namespace {
 
 using namespace test;
 
-Pose pose_at(const Vector3& position, const Vector3& turn = Vector3::Zero()) {
-  const double angle = turn.norm();
-  Pose pose{position, Eigen::Quaterniond::Identity()};
-  if (angle > 0) pose.orientation = Eigen::AngleAxisd(angle, turn / angle);
-  return pose;
-}
-
 const Vector3 lying_along_y(M_PI / 2, 0, 0);  // of an axis that is z in its own frame
-
-Scene with_colliders(std::vector<ColliderSpec> colliders, int side = 25) {
-  Scene scene;
-  scene.cloth.columns = scene.cloth.rows = side;
-  scene.colliders = std::move(colliders);
-  return scene;
-}
-
-Scene hanging_with(std::vector<ColliderSpec> colliders, int side = 25) {
-  Scene scene = with_colliders(std::move(colliders), side);
-  scene.cloth.pinned = {{0, 0, ""}, {side - 1, 0, ""}};
-  return scene;
-}
 
 /// One frame, with all checks after it.
 void step_checked(Simulator& simulator, double speed_limit) {
@@ -147,104 +128,6 @@ TEST(Colliders, GoOnToTheSameBitsFromAStateAndItsMemory) {
     run(second, 0.3);
     EXPECT_EQ(first.state().positions, second.state().positions) << drop.name;
     EXPECT_EQ(first.state().velocities, second.state().velocities) << drop.name;
-  }
-}
-
-// ---- Where pins are in a collider, or just outside
-
-void expect_calm(const Scene& scene, double seconds, double calm) {
-  Simulator simulator(scene);
-  double fast = 0;
-  for (int frame = 0; frame < 90 * seconds; ++frame) {
-    const StepReport report = simulator.step();
-    ASSERT_EQ(report.recoveries, 0) << simulator.state().time;
-    fast = std::max(fast, max_speed(simulator.state()));
-  }
-  EXPECT_LT(fast, 10) << "nothing is flung about";
-  EXPECT_LT(rms_velocity(simulator.state()), calm);
-}
-
-TEST(PinnedInACollider, ACurtainOnItsRodHangs) {
-  // Above the middle of the rod, in it, below, and just on its skin, on either side.
-  for (const double below : {-0.02, 0.0, 0.005, 0.02, 0.03, 0.0301, -0.0301, 0.0303, 0.031}) {
-    SCOPED_TRACE(below);
-    Scene scene = with_colliders(
-        {{"rod", Capsule{1.2, 0.03}, pose_at({0.5, 0, 1 - below}, {0, M_PI / 2, 0}), 1, ""}}, 16);
-    for (int column = 0; column < 16; ++column) scene.cloth.pinned.push_back({column, 0, ""});
-    expect_calm(scene, 5, 2e-3);
-  }
-}
-
-TEST(PinnedInACollider, ATableclothPinnedToATableHangsOverItsEdge) {
-  // A row of pins on the top, 3 cm from the edge, and a row that would be 4 cm beyond it.
-  for (const double above : {0.0, 1e-4, 3e-4, 2e-3}) {
-    SCOPED_TRACE(above);
-    Scene scene = with_colliders(
-        {{"table", Cuboid{{1.4, 1, 0.5}}, pose_at({0.5, -0.47, 0.75 - above}), 0.5, ""}}, 16);
-    for (int column = 0; column < 16; ++column) scene.cloth.pinned.push_back({column, 0, ""});
-    Simulator simulator(scene);
-    double deepest = 0;
-    for (int frame = 0; frame < 5 * 90; ++frame) {
-      simulator.step();
-      if (frame > 90) deepest = std::max(deepest, deepest_penetration(simulator));
-    }
-    EXPECT_LT(deepest, 1e-3);
-    EXPECT_LT(rms_velocity(simulator.state()), 2e-3);
-  }
-}
-
-TEST(PinnedInACollider, ACornerInABallHangs) {
-  for (const double radius : {0.154, 0.158, 0.17}) {
-    SCOPED_TRACE(radius);
-    expect_calm(hanging_with({{"ball", Sphere{radius}, pose_at({0.14, 0.02, 1.07}), 0.3, ""}}, 16),
-                6, 2e-3);
-  }
-}
-
-/// Cotton of 4 mm, by half of its upper edge beside a capsule, at a gap [m].
-Scene cape(double gap, const std::string& method) {
-  Scene scene = with_colliders(
-      {{"shoulders", Capsule{0.4, 0.06}, pose_at({0, 0, 1}, {0, M_PI / 2, 0}), 0.4, ""}}, 16);
-  scene.cloth.width = scene.cloth.height = 0.25;
-  scene.cloth.origin = {-0.125, 0, 1.06 + gap};
-  scene.cloth.thickness = 0.002;
-  scene.cloth.material.fabric = Fabric{{1000, 700}, 40, {14e-6, 8.7e-6}, {}};
-  scene.cloth.material.density = 0.16;
-  scene.cloth.material.damping = 6;
-  scene.cloth.material.strain_limit.reset();
-  for (int column = 4; column < 12; ++column) scene.cloth.pinned.push_back({column, 0, ""});
-  scene.simulation.method = method;
-  if (method == "xpbd") scene.simulation.substeps = 15;
-  return scene;
-}
-
-TEST(PinnedInACollider, ACapePinnedWithinItsThicknessRests) {
-  for (const double gap : {0.0003, 0.001, 0.002, 0.003}) {
-    for (const std::string method : {"xpbd", "verlet"}) {
-      if (method == "verlet" && gap != 0.001) continue;  // as long as all others
-      SCOPED_TRACE(method + ' ' + std::to_string(gap));
-      expect_calm(cape(gap, method), 3, 1e-3);
-    }
-  }
-}
-
-TEST(PinnedInACollider, NothingSnapsWhereAHeldEdgeIsLoweredToACollider) {
-  // From 3 to 0.5 mm above it; from 2 mm on, the cloth's thickness, the pins slip.
-  for (const double speed : {0.01, 0.02}) {
-    SCOPED_TRACE(speed);
-    Simulator simulator(cape(0.003, "verlet"));
-    run(simulator, 2.5);
-    const Points start = simulator.state().positions;
-    double lowered = 0, fastest = 0;
-    for (int frame = 0; frame < 90; ++frame) {
-      lowered = std::min(0.0025, lowered + speed / 90);
-      for (int pin = 0; pin < 8; ++pin) {
-        simulator.move_pin(pin, row(start, 4 + pin) - Vector3(0, 0, lowered));
-      }
-      simulator.step();
-      fastest = std::max(fastest, max_speed(simulator.state()));
-    }
-    EXPECT_LT(fastest, 0.1);
   }
 }
 
